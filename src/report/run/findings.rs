@@ -1,7 +1,8 @@
 //! A run's result in sentences.
 
+use super::machine_run::MachineRun;
 use super::steady::{self, ColdStart};
-use super::summary::{MachineRun, PolicySummary, Summary};
+use super::summary::{PolicySummary, Summary};
 use super::tables::dram_bytes;
 use crate::quantity::Bytes;
 use crate::report::format::{bytes, change, counted, exact, joules, milliseconds, or_absent, percent, short};

@@ -1,6 +1,6 @@
 //! The part that limits a machine, in words.
 
-use super::summary::MachineRun;
+use super::machine_run::MachineRun;
 use crate::report::format::{percent, words};
 use crate::stats::Cause;
 

@@ -6,6 +6,7 @@ mod findings;
 pub(super) mod frames_csv;
 mod limits;
 mod machine_columns;
+mod machine_run;
 mod notices;
 mod over_time;
 mod page;
@@ -20,11 +21,10 @@ mod write;
 
 pub(crate) use files::{RunFiles, read_summary};
 pub(crate) use machine_columns::{CountedColumn, counted_columns};
+pub(crate) use machine_run::{Asked, MachineRun};
 pub(crate) use over_time::{OverTime, Span};
 pub(in crate::report) use results::machine_rows;
-pub(crate) use summary::{
-    Asked, FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, SCHEMA, SceneSummary, Summary,
-};
+pub(crate) use summary::{FrameResult, LightWrong, MachineSummary, PolicySummary, Psnr, SCHEMA, SceneSummary, Summary};
 pub(crate) use tables::replayed;
 pub(crate) use terminal::{replay_verdict, terminal, verdict};
 pub(crate) use write::redraw;

@@ -1,6 +1,7 @@
 //! Warnings before the numbers: a run was stopped, sampled too thinly, or has little to tell.
 
-use super::summary::{MachineRun, Summary};
+use super::machine_run::MachineRun;
+use super::summary::Summary;
 use crate::report::format::percent;
 use crate::stats::Accuracy;
 

@@ -1,6 +1,7 @@
 //! The rows of a run's `results.csv`.
 
-use super::summary::{MachineRun, MachineSummary, PolicySummary, Psnr, Summary};
+use super::machine_run::MachineRun;
+use super::summary::{MachineSummary, PolicySummary, Psnr, Summary};
 use crate::report::error::ReportError;
 use crate::report::results::{Amount, Family, Results, Row, Scope, Subject, Take, Walk};
 use crate::stats::Accuracy;

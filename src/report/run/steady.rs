@@ -1,6 +1,7 @@
 //! Steady state and cold start: the cost of a policy's first frame, and the number of frames that repays it.
 
-use super::summary::{MachineRun, MachineSummary, Summary};
+use super::machine_run::MachineRun;
+use super::summary::{MachineSummary, Summary};
 use crate::report::format::change;
 
 /// The cost of a policy in the first frame, which starts cold.

@@ -1,7 +1,8 @@
 //! Key figures of a run, for the terminal and the page.
 
 use super::choice::choice;
-use super::summary::{MachineRun, MachineSummary, PolicySummary, Summary};
+use super::machine_run::MachineRun;
+use super::summary::{MachineSummary, PolicySummary, Summary};
 use crate::counters::Counter;
 use crate::named::Named;
 use crate::quantity::Bytes;

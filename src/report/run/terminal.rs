@@ -2,8 +2,9 @@
 
 use super::choice::choice;
 use super::limits::limit;
+use super::machine_run::MachineRun;
 use super::steady;
-use super::summary::{MachineRun, Summary};
+use super::summary::Summary;
 use super::tables::{dram_per_frame, error, interval_of, policies};
 use crate::named::Named;
 use crate::report::format::{ABSENT, change, counted, exact, joules, milliseconds, or_absent, percent, short};

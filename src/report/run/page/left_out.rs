@@ -3,7 +3,8 @@
 use crate::quantity::Bytes;
 use crate::report::format::bytes;
 use crate::report::grid::Grid;
-use crate::report::run::summary::{MachineRun, Summary};
+use crate::report::run::machine_run::MachineRun;
+use crate::report::run::summary::Summary;
 use crate::stats::TrafficClass;
 
 /// Traffic of the host: its description, its class where a machine models it, the switch, and bytes per frame.

@@ -3,7 +3,8 @@
 use crate::quantity::Bytes;
 use crate::report::format::{bytes, exact, joules, milliseconds, or_absent, percent, short};
 use crate::report::grid::Grid;
-use crate::report::run::summary::{MachineRun, PolicySummary, Psnr, Summary};
+use crate::report::run::machine_run::MachineRun;
+use crate::report::run::summary::{PolicySummary, Psnr, Summary};
 use crate::report::run::tables::{OF_POLICIES, PolicyColumn, interval_of, of_policies, share_of_shadow_rays};
 use crate::stats::Accuracy;
 

@@ -5,7 +5,8 @@ use minijinja::{Value, context};
 use crate::quantity::Bytes;
 use crate::report::format::{bytes, change, exact, joules, milliseconds, or_absent, percent, short};
 use crate::report::run::limits::{Limit, limit};
-use crate::report::run::summary::{MachineRun, MachineSummary, PolicySummary, Summary};
+use crate::report::run::machine_run::MachineRun;
+use crate::report::run::summary::{MachineSummary, PolicySummary, Summary};
 
 /// A smaller change of time counts as none.
 const SAME: f64 = 0.02;

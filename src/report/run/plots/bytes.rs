@@ -6,7 +6,7 @@ use crate::report::draw::Figure;
 use crate::report::draw::bars::{Bar, BarChart, Group, Segment};
 use crate::report::draw::palette::class_color;
 use crate::report::format::{bytes, change, percent_tick, words};
-use crate::report::run::summary::MachineRun;
+use crate::report::run::machine_run::MachineRun;
 use crate::stats::TrafficClass;
 
 pub(super) const PLOT: MachinePlot = MachinePlot { name: "bytes", figure };

@@ -9,7 +9,7 @@ use crate::report::draw::canvas::{Canvas, DrawError, LEFT, LINE, Text};
 use crate::report::draw::palette::{BLUE, Color, FAINT, GREEN, GRID, cause_look};
 use crate::report::format::{bytes, percent, words};
 use crate::report::grid::Grid;
-use crate::report::run::summary::MachineRun;
+use crate::report::run::machine_run::MachineRun;
 use crate::stats::Cause;
 
 pub(super) const PLOT: MachinePlot = MachinePlot { name: "diagram", figure };

@@ -5,7 +5,7 @@ use crate::report::draw::Figure;
 use crate::report::draw::bars::{Bar, BarChart, Group, Segment};
 use crate::report::draw::palette::{GREEN, SKY, VERMILLION};
 use crate::report::format::{or_absent, percent, tick};
-use crate::report::run::summary::MachineRun;
+use crate::report::run::machine_run::MachineRun;
 
 pub(super) const PLOT: MachinePlot = MachinePlot { name: "dram_rows", figure };
 

@@ -5,8 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::report::draw::Figure;
 use crate::report::draw::palette::{Color, WITHOUT, series_color};
 use crate::report::format::change;
+use crate::report::run::machine_run::MachineRun;
 use crate::report::run::over_time::{OverTime, Span};
-use crate::report::run::summary::{MachineRun, MachineSummary, Summary};
+use crate::report::run::summary::{MachineSummary, Summary};
 
 /// A plot that is drawn once per machine.
 pub(super) struct MachinePlot {

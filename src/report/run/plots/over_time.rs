@@ -8,8 +8,8 @@ use crate::report::draw::palette::{Color, FAINT, GRID, INK, cause_look, faded, p
 use crate::report::format::{number, percent, tick, words};
 use crate::report::grid::Grid;
 use crate::report::run::limits;
+use crate::report::run::machine_run::MachineRun;
 use crate::report::run::over_time::Span;
-use crate::report::run::summary::MachineRun;
 use crate::stats::Cause;
 
 pub(super) const PLOT: MachinePlot = MachinePlot { name: "over_time", figure };

@@ -6,7 +6,7 @@ use crate::report::draw::bars::{Bar, BarChart, Group, Segment};
 use crate::report::draw::palette::cause_look;
 use crate::report::format::{percent, percent_tick, words};
 use crate::report::run::limits;
-use crate::report::run::summary::MachineRun;
+use crate::report::run::machine_run::MachineRun;
 use crate::stats::Cause;
 
 pub(super) const PLOT: MachinePlot = MachinePlot { name: "utilization", figure };
