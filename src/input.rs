@@ -15,6 +15,9 @@ pub(crate) const MAX_CONFIG_BYTES: u64 = 1 << 24;
 /// The largest file of a scene, in bytes; the largest of the BART scenes has 3.3 MB.
 pub(crate) const MAX_SCENE_FILE_BYTES: u64 = 1 << 28;
 
+/// The largest file of a report, in bytes.
+pub(crate) const MAX_REPORT_FILE_BYTES: u64 = 1 << 28;
+
 /// The largest sum of the sizes of a scene's files, in bytes.
 const MAX_SCENE_BYTES: u64 = 1 << 30;
 

@@ -18,7 +18,7 @@ pub struct Spread {
     pub high: f64,
 }
 
-/// Values are finite: a file cannot hold others.
+/// Values are finite: `TryFrom` refuses others.
 impl Eq for Spread {}
 
 /// The values as a file has them.

@@ -166,3 +166,19 @@ fn sources() -> Vec<Source> {
     assert!(found.len() > 50, "only {} files were found", found.len());
     found
 }
+
+/// Only `input` and `output` open files: so every read refuses outputs of the same command, pipes and huge files.
+#[test]
+fn files_are_read_in_one_place() {
+    // Tests of the book's commands.
+    const TESTS: &str = "cli/book.rs";
+    let opens = |text: &str| {
+        let own = text.split("#[cfg(test)]").next().unwrap_or_default();
+        ["fs::read(", "fs::read_to_string(", "File::open("].iter().any(|call| own.contains(call))
+    };
+    assert!(opens("let text = std::fs::read(path);"), "the test finds what it looks for");
+    for source in sources().iter().filter(|source| !source.is_test() && source.file != TESTS) {
+        let may = source.file == "input.rs" || source.file.starts_with("output/");
+        assert!(may || !opens(&source.text), "{} opens files by itself", source.file);
+    }
+}

@@ -106,16 +106,40 @@ impl New {
         let is_beside = mesh.parent() == self.file.parent();
         let named = if is_beside { mesh.file_name().map(PathBuf::from) } else { std::path::absolute(mesh).ok() };
         let named = named.with_context(|| format!("{} is no name of a file", mesh.display()))?;
-        let text = scene_around(mesh, &named.to_string_lossy())?;
+        let name =
+            named.to_str().with_context(|| format!("{} is not UTF-8: a config cannot name it", named.display()))?;
+        let text = scene_around(mesh, name)?;
         Ok((format!("of {}", mesh.display()), text))
     }
 }
 
 /// `text` with `name` as the config's name, if it has one.
 fn renamed(text: &str, name: &str) -> Result<String> {
-    const FIELD: &str = "\n    name: ";
-    let Some(begin) = text.find(&format!("{FIELD}\"")).map(|at| at + FIELD.len()) else { return Ok(text.into()) };
-    Ok(format!("{}{}{}", &text[..begin], ron::to_string(name)?, &text[begin + length_of_string(&text[begin..])..]))
+    let (mut at, mut depth, mut is_name) = (0, 0, false);
+    while at < text.len() {
+        let part = &text[at..at + length_of_part(&text[at..])];
+        if part.starts_with('"') && is_name {
+            return Ok(format!("{}{}{}", &text[..at], ron::to_string(name)?, &text[at + part.len()..]));
+        }
+        if !part.starts_with(['"', '/']) && !part.trim().is_empty() {
+            depth += part.matches(['(', '[', '{']).count() as i64 - part.matches([')', ']', '}']).count() as i64;
+            let field = part.trim_end().strip_suffix(':').unwrap_or_default().trim_end();
+            // The field of the outermost brackets, not one whose name only ends alike.
+            is_name = depth == 1 && field.rsplit(|it: char| !it.is_alphanumeric() && it != '_').next() == Some("name");
+        }
+        at += part.len();
+    }
+    Ok(text.into())
+}
+
+/// Length in bytes of the comment, the string, or the text between these, that `text` begins with.
+fn length_of_part(text: &str) -> usize {
+    match text {
+        _ if text.starts_with("//") => text.find('\n').unwrap_or(text.len()),
+        _ if text.starts_with("/*") => text.find("*/").map_or(text.len(), |at| at + 2),
+        _ if text.starts_with('"') => length_of_string(text),
+        _ => text.char_indices().skip(1).find(|(_, it)| ['"', '/'].contains(it)).map_or(text.len(), |(at, _)| at),
+    }
 }
 
 /// The `text` of the file `from`, changed so that its files are found from another folder: shipped configs by their
@@ -124,13 +148,7 @@ fn standing(text: &str, from: &Path) -> Result<String> {
     let folder = from.parent().unwrap_or(Path::new(""));
     let (mut standing, mut rest) = (String::with_capacity(text.len()), text);
     while !rest.is_empty() {
-        let length = match rest {
-            _ if rest.starts_with("//") => rest.find('\n').unwrap_or(rest.len()),
-            _ if rest.starts_with("/*") => rest.find("*/").map_or(rest.len(), |at| at + 2),
-            _ if rest.starts_with('"') => length_of_string(rest),
-            _ => rest.char_indices().skip(1).find(|(_, it)| ['"', '/'].contains(it)).map_or(rest.len(), |(at, _)| at),
-        };
-        let (part, behind) = rest.split_at(length);
+        let (part, behind) = rest.split_at(length_of_part(rest));
         match ron::from_str::<PathBuf>(part).ok().filter(|_| part.starts_with('"')) {
             Some(named) => standing.push_str(&named_elsewhere(part, &folder.join(named))?),
             None => standing.push_str(part),
@@ -177,6 +195,17 @@ mod tests {
         assert_eq!(copy, "(\n    name: \"mine\",\n    dram: (part: \"lpddr4_3200\"),\n)");
         let other = standing(text, Path::new("/there/x.ron")).unwrap();
         assert!(other.contains("\"/there/../dram/lpddr4_3200.ron\""), "{other}");
+    }
+
+    #[test]
+    fn a_name_is_found_however_the_file_is_laid_out() {
+        let renamed = |text: &str| renamed(text, "mine").unwrap();
+        assert_eq!(renamed(r#"(name:"a", x: 1)"#), r#"(name:"mine", x: 1)"#);
+        assert_eq!(renamed("(\n\tname : \"a\",\n)"), "(\n\tname : \"mine\",\n)");
+        let others = r#"(part: (name: "a"), file_name: "b", /* name: */ note: "name: ", // name: "c"
+            name: /* its own */ "d")"#;
+        assert_eq!(renamed(others), others.replace("\"d\"", "\"mine\""));
+        assert_eq!(renamed("(x: \"a\")"), "(x: \"a\")");
     }
 
     #[test]

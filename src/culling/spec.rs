@@ -57,6 +57,24 @@ impl PolicySpec {
         }
     }
 
+    /// Entries of its largest store. It is known before the policy is built, which takes memory for all entries.
+    pub fn largest_store(&self, facts: SceneFacts) -> u64 {
+        let SceneFacts { primitives, lights, .. } = facts;
+        match self {
+            Self::LastOccluder(_) => u64::from(primitives) * u64::from(lights),
+            Self::OccluderGrid(spec) => 6 * spec.cells.get().pow(2) * u64::from(lights),
+            _ => {
+                let stores = self.build(facts).stores();
+                u64::from(stores.mode_words.max(stores.pixel_counters).max(stores.occluder_ids))
+            }
+        }
+    }
+
+    /// Whether it keeps what it learns for later frames.
+    pub fn learns(&self, facts: SceneFacts) -> bool {
+        self.largest_store(facts) > 0
+    }
+
     /// Every policy with its defaults.
     pub fn all() -> Vec<(&'static str, Self)> {
         vec![
@@ -73,7 +91,7 @@ impl PolicySpec {
         ]
     }
 
-    /// Whether it never decides wrongly. (A policy that does all the same is broken.)
+    /// Whether no decision can be wrong. Tests fail if such a policy decides wrongly.
     pub fn is_exact(&self) -> bool {
         match self {
             Self::Published(_) | Self::Symmetric(_) => false,

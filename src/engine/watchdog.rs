@@ -3,7 +3,8 @@
 use crate::machine::MachineSpec;
 use crate::memory::dram::spec::Model;
 
-/// The watchdog's limit, in cycles: longer than any single wait of the machine, or two waits in a row.
+/// The watchdog's limit, in cycles: longer than any single wait of the machine, or two waits in a row,
+/// except for the building of a frame, which the engines add (rule H6).
 pub(crate) fn patience(spec: &MachineSpec) -> u64 {
     let caches = spec.l2.caches();
     let l2 = caches.iter().map(|(_, cache)| cache.latency.get());

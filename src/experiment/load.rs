@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::files::{machine_with, named, not_set};
 use super::frames::{FrameChoice, FrameRange, Replayed};
-use super::need::Need;
+use super::need::{Amounts, Need};
 use super::set::{self, Setting};
 use super::spec::ExperimentSpec;
 use crate::culling::{Policy, PolicySpec, SceneFacts};
@@ -18,7 +18,7 @@ use crate::scene::MAX_LIGHTS;
 use crate::scene::composed::starter;
 use crate::scene::spec::SceneSpec;
 use crate::scene::{Scene, SceneError};
-use crate::stream::{Step, StoreEntries, Structure};
+use crate::stream::{Step, Structure};
 
 /// What the command line sets in place of the file.
 #[derive(Clone, Debug, Default)]
@@ -194,6 +194,7 @@ impl Experiment {
             return Err(wrong(what).into());
         }
         check_boxes(path, &spec.policies, spec.tracer.accel.structure)?;
+        check_stores(&spec.policies, SceneFacts::of(&scene)).map_err(wrong)?;
         let frames = spec.frames.numbers();
         let warmup = spec.warmup.unwrap_or_else(|| default_warmup(&spec, &scene, &frames));
         let replayed = spec.replay.replayed(&frames, warmup as usize);
@@ -212,9 +213,18 @@ impl Experiment {
 
     /// The approximate memory that the experiment needs.
     pub fn need(&self) -> Need {
-        let (policies, lights) = (self.spec.policies.len(), self.scene.light_count);
-        let machines: Vec<u128> = self.machines.iter().map(|(_, machine)| machine.footprint()).collect();
-        Need::new(self.spec.resolution, self.frames.len(), policies, lights, self.scene.primitive_count(), &machines)
+        let facts = SceneFacts::of(&self.scene);
+        let policies = self.spec.policies.iter().map(|(_, policy)| policy);
+        Need::of(&Amounts {
+            resolution: self.spec.resolution,
+            frames: self.frames.len(),
+            policies: self.spec.policies.len(),
+            entries: policies.map(|policy| policy.largest_store(facts)).sum(),
+            is_live: self.policies().iter().any(|policy| policy.needs().live),
+            lights: self.scene.light_count,
+            triangles: self.scene.primitive_count(),
+            machines: self.machines.iter().map(|(_, machine)| machine.footprint()).collect(),
+        })
     }
 
     /// The warm-up frames of a run that replays all frames.
@@ -263,9 +273,19 @@ impl Experiment {
 
 /// One warm-up frame if a policy keeps state for later frames and a frame is left to measure; 0 otherwise.
 fn default_warmup(spec: &ExperimentSpec, scene: &Scene, frames: &[u32]) -> u32 {
-    let learns = |policy: &PolicySpec| policy.build(SceneFacts::of(scene)).stores() != StoreEntries::default();
+    let facts = SceneFacts::of(scene);
     let is_left = spec.replay.replayed(frames, 1).measured().next().is_some();
-    u32::from(is_left && spec.policies.iter().any(|(_, policy)| learns(policy)))
+    u32::from(is_left && spec.policies.iter().any(|(_, policy)| policy.learns(facts)))
+}
+
+/// Refuses policies with more entries in a store than a step can number.
+fn check_stores(policies: &Named<PolicySpec>, facts: SceneFacts) -> Result<(), String> {
+    let most = u64::from(Step::MAX_INDEX) + 1;
+    let entries = policies.iter().map(|(name, policy)| (name, policy.largest_store(facts)));
+    match entries.into_iter().find(|&(_, entries)| entries > most) {
+        Some((name, entries)) => Err(format!("the policy `{name}` keeps {entries} entries: up to {most} are allowed")),
+        None => Ok(()),
+    }
 }
 
 /// Refuses policies that need a tree of boxes if `structure` is not one.

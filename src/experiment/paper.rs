@@ -17,8 +17,8 @@ use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::ranged::Within;
 use crate::report::Grid;
-use crate::report::format::{exact, percent};
-use crate::report::run::{FrameResult, PolicySummary};
+use crate::report::format::{ABSENT, exact, or_absent, percent};
+use crate::report::run::{FrameResult, PolicySummary, Saved};
 use crate::ron_file::{self, ConfigError, Kind};
 use crate::scene::{Scene, ShadowRays};
 use crate::stream::Structure;
@@ -100,20 +100,20 @@ pub struct Reading {
     pub structure: Structure,
     /// The depth.
     pub depth: u32,
-    /// Values to try for the rule which lights get a shadow ray.
+    /// The rule which lights get a shadow ray, in this reading.
     pub shadow_rays: ShadowRays,
     /// The policy's name.
     pub policy: String,
     /// The paper's figures.
     pub published: Figures,
-    /// The measured figures.
-    pub ours: Figures,
+    /// The measured figures; `None` if there were no shadow rays to save.
+    pub ours: Option<Figures>,
     /// The best frame for node visits and for triangle tests, counted from 0 among those traced.
-    pub best_frames: [usize; 2],
+    pub best_frames: Option<[usize; 2]>,
     /// Wrong shadow decisions in all frames.
     pub wrong: u64,
-    /// See [`Figures::distance`].
-    pub distance: f64,
+    /// See [`Figures::distance`]; `None` without measured figures.
+    pub distance: Option<f64>,
 }
 
 /// A table and all that its file names.
@@ -215,14 +215,18 @@ fn read(
     let (off, culled) = results.split_first().expect("`Off` is always the first");
     let row = |((name, _), results): ((&str, _), &Vec<FrameResult>)| {
         let summary = PolicySummary::new(results, Vec::new(), Some(off));
-        let share = |share: Option<f64>| share.unwrap_or(0.0);
-        let index = |number: Option<u32>| numbers.iter().position(|&frame| Some(frame) == number).unwrap_or(0);
-        let (traversal, intersection) = (summary.traversal_saved, summary.intersection_saved);
-        let ours = Figures {
-            traversal_saved: MeanMax { mean: share(traversal.mean), max: share(traversal.max) },
-            intersection_saved: MeanMax { mean: share(intersection.mean), max: share(intersection.max) },
-            occlusion_tests_per_pixel: share(summary.counts.occlusion_tests_per_pixel),
+        let index = |number: u32| numbers.iter().position(|&frame| frame == number);
+        let shares = |saved: &Saved| Some(MeanMax { mean: saved.mean?, max: saved.max? });
+        let [traversal, intersection] = [&summary.traversal_saved, &summary.intersection_saved];
+        let figures = || {
+            Some(Figures {
+                traversal_saved: shares(traversal)?,
+                intersection_saved: shares(intersection)?,
+                occlusion_tests_per_pixel: summary.counts.occlusion_tests_per_pixel?,
+            })
         };
+        let best = || Some([index(traversal.max_frame?)?, index(intersection.max_frame?)?]);
+        let ours = figures();
         Reading {
             scene: scene.name.clone(),
             frames,
@@ -232,9 +236,9 @@ fn read(
             policy: name.to_owned(),
             published: *published,
             ours,
-            best_frames: [index(traversal.max_frame), index(intersection.max_frame)],
+            best_frames: best(),
             wrong: summary.counts.wrong().unwrap_or(0),
-            distance: ours.distance(published),
+            distance: ours.map(|ours| ours.distance(published)),
         }
     };
     spec.policies.iter().zip(culled).map(row).collect()
@@ -246,8 +250,9 @@ pub(crate) fn verdict(readings: &[Reading]) -> String {
     scenes.dedup();
     let nearest = |scene: &&str| {
         let of_scene = readings.iter().filter(|reading| reading.scene == **scene);
-        let Reading { frames, structure, depth, shadow_rays, policy, distance, .. } =
-            of_scene.min_by(|a, b| a.distance.total_cmp(&b.distance))?;
+        let measured = of_scene.filter_map(|reading| Some((reading.distance?, reading)));
+        let (distance, reading) = measured.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
+        let Reading { frames, structure, depth, shadow_rays, policy, .. } = reading;
         let points = 100.0 * distance;
         Some(format!(
             "nearest in {scene}: {policy}, {frames}, {structure:?}, depth {depth}, {shadow_rays:?}: {points:.1} points"
@@ -276,7 +281,8 @@ pub(crate) fn grid(readings: &[Reading]) -> Grid {
     let mut sorted: Vec<&Reading> = readings.iter().collect();
     // Scenes stay in order of first appearance.
     let place = |scene: &str| readings.iter().position(|reading| reading.scene == scene);
-    sorted.sort_by(|a, b| place(&a.scene).cmp(&place(&b.scene)).then(a.distance.total_cmp(&b.distance)));
+    let distance = |reading: &Reading| reading.distance.unwrap_or(f64::INFINITY);
+    sorted.sort_by(|a, b| place(&a.scene).cmp(&place(&b.scene)).then(distance(a).total_cmp(&distance(b))));
     let mut rows: Vec<Vec<String>> = Vec::new();
     let mut scene = None;
     for reading in sorted {
@@ -287,7 +293,11 @@ pub(crate) fn grid(readings: &[Reading]) -> Grid {
             let row = [nodes, most_nodes, dash(), tests, most_tests, dash(), pixel, dash(), dash()];
             rows.push([reading.scene.clone(), "published".to_owned(), dash()].into_iter().chain(row).collect());
         }
-        let [nodes, most_nodes, tests, most_tests, pixel] = texts(&reading.ours);
+        let [nodes, most_nodes, tests, most_tests, pixel] = match &reading.ours {
+            Some(ours) => texts(ours),
+            None => [(); 5].map(|()| ABSENT.to_owned()),
+        };
+        let best = |at: usize| or_absent(reading.best_frames, |best| best[at].to_string());
         let Reading { frames, structure, depth, shadow_rays, .. } = reading;
         rows.push(vec![
             reading.scene.clone(),
@@ -295,13 +305,13 @@ pub(crate) fn grid(readings: &[Reading]) -> Grid {
             reading.policy.clone(),
             nodes,
             most_nodes,
-            reading.best_frames[0].to_string(),
+            best(0),
             tests,
             most_tests,
-            reading.best_frames[1].to_string(),
+            best(1),
             pixel,
             exact(reading.wrong),
-            format!("{:.1}", 100.0 * reading.distance),
+            or_absent(reading.distance, |distance| format!("{:.1}", 100.0 * distance)),
         ]);
     }
     Grid { head: HEAD.map(Into::into).to_vec(), names: 3, rows }

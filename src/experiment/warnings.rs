@@ -3,10 +3,9 @@
 use std::path::Path;
 
 use super::load::Experiment;
-use crate::culling::SceneFacts;
+use crate::culling::{PolicySpec, SceneFacts};
 use crate::ron_file;
 use crate::scene::camera::Projection;
-use crate::stream::StoreEntries;
 
 /// Parts of a machine whose absence from its file deserves a warning, with the defaults that then apply.
 const PARTS: [(&str, &str); 2] =
@@ -24,9 +23,7 @@ pub(crate) fn warnings(experiment: &Experiment, with_machines: bool) -> Vec<Stri
     if scene.light_count == 0 {
         found.push(format!("`{}` has no lights: there is no shadow ray that could be culled", scene.name));
     }
-    let learns = |(_, policy): &(&str, &crate::culling::PolicySpec)| {
-        policy.build(SceneFacts::of(scene)).stores() != StoreEntries::default()
-    };
+    let learns = |(_, policy): &(&str, &PolicySpec)| policy.learns(SceneFacts::of(scene));
     if let Some((name, _)) = experiment.spec.policies.iter().find(learns).filter(|_| experiment.frames.len() == 1) {
         found.push(format!(
             "`{name}` learns from frame to frame, and there is one frame: at least two show what it saves"

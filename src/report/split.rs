@@ -139,7 +139,7 @@ impl Split {
             let classes = stats.caches.values().flatten().filter(|(class, _)| !WORDS.contains(class));
             classes.map(|(_, counts)| counts.misses as i64).sum()
         };
-        let word_hit_rate = ["l1_shadow_cache", "l1_intersection", "l2"].into_iter().find_map(|cache| {
+        let word_hit_rate = real.first_caches().find_map(|cache| {
             let classes = real.caches.get(cache)?.iter().filter(|(class, _)| WORDS.contains(class));
             let (hits, accesses) = classes.fold((0, 0), |sum, (_, it)| (sum.0 + it.hits, sum.1 + it.accesses));
             (accesses > 0).then_some(hits as f64 / accesses as f64)

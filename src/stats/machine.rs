@@ -93,6 +93,12 @@ impl MachineStats {
         levels.flat_map(|(_, classes)| classes.values()).copied().sum()
     }
 
+    /// Names of the caches that words may meet first: an L1, or any cache of the L2.
+    pub fn first_caches(&self) -> impl Iterator<Item = &str> {
+        let l2s = self.caches.keys().map(String::as_str).filter(|name| name.starts_with("l2"));
+        ["l1_shadow_cache", "l1_intersection"].into_iter().chain(l2s)
+    }
+
     /// Half the width of the interval of a figure's ratio to that of another run; `None` if it is not known, or if both
     /// runs are exact. `figure` is the index in [`Accuracy::shares`]. For samples of the same windows it comes from
     /// their differences; otherwise both relative half widths are added (worst case).

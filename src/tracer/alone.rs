@@ -68,10 +68,11 @@ enum Use {
     Lens,
 }
 
-/// Two numbers from 0 to 1, from a hash.
+/// Two numbers from 0 to 1, 1 excluded, from a hash.
 fn numbers(pixel: PixelId, sample: u32, purpose: Use) -> [f32; 2] {
     let bits = xxh3_64_with_seed(&pixel.0.to_le_bytes(), 2 * u64::from(sample) + purpose as u64);
-    let unit = |bits: u64| (bits as u32) as f32 / 4_294_967_296.0;
+    // The largest 128 of the integers round up to 1.
+    let unit = |bits: u64| ((bits as u32) as f32 / 4_294_967_296.0).min(1.0 - f32::EPSILON / 2.0);
     [unit(bits), unit(bits >> 32)]
 }
 

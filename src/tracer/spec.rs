@@ -30,5 +30,6 @@ pub enum PixelOrder {
 }
 
 /// Number of rows that are traced and recorded as one chunk, equal to a tile's height. It bounds memory, and the share
-/// of work for the row above, which is traced again for the reference pixels.
+/// of work for the row above, which is traced again for the reference pixels. With a live policy the whole picture is
+/// one band.
 pub(super) const BAND_ROWS: u32 = 8;

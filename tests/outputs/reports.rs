@@ -93,9 +93,18 @@ fn a_place_that_takes_no_report_is_refused_before_the_work() {
         }
     }
     // A report would be read and written.
-    let output = desk.program(&["chart", "base", "--out", "base"]).output().unwrap();
-    assert_eq!(output.status.code(), Some(2));
-    assert!(error_text(&output).contains("would overwrite it"), "{}", error_text(&output));
+    desk.succeed(&["run", "tiny.ron", "--frames", "0..2", "--out", "other"]);
+    let before = desk.contents();
+    for command in [
+        &["chart", "base", "--out", "base"][..],
+        &["diff", "base", "other", "--out", "base"],
+        &["diff", "base", "other", "--out", "other"],
+    ] {
+        let output = desk.program(command).output().unwrap();
+        assert_eq!(output.status.code(), Some(2), "{command:?}");
+        assert!(error_text(&output).contains("would overwrite it"), "{}", error_text(&output));
+        assert!(desk.contents() == before, "{command:?}");
+    }
 }
 
 #[test]

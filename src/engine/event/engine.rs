@@ -184,6 +184,12 @@ impl Event {
         if now < self.watch_at {
             return Ok(());
         }
+        // While a frame is built, nothing else need happen (rule H6).
+        let built_at = self.links.port.as_ref().map_or(0, Port::built_at);
+        if now < built_at + self.patience {
+            self.watch_at = built_at + self.patience;
+            return Ok(());
+        }
         let units = self.pipelines().into_iter().flatten();
         let begun: u64 = units.map(|pipeline| pipeline.causes().busy()).sum();
         let dram = &self.links.dram;
@@ -193,8 +199,7 @@ impl Event {
         if progress == self.progress {
             return Err(RunError::Deadlock { cycle: now, queues: self.queues() });
         }
-        let built_at = self.links.port.as_ref().map_or(0, Port::built_at);
-        (self.progress, self.watch_at) = (progress, now.max(built_at) + self.patience);
+        (self.progress, self.watch_at) = (progress, now + self.patience);
         Ok(())
     }
 

@@ -103,6 +103,18 @@ fn a_frame_without_rays_takes_as_long_as_its_building() {
     }
 }
 
+/// H6: building may take longer than the watchdog waits, and need not write anything.
+#[test]
+fn building_is_no_deadlock() {
+    let mut machine = MachineSpec::default();
+    machine.traffic.build_rate = num(1);
+    let info = FrameInfo { dynamic_slots: 1000, ..FrameInfo::default() };
+    for rays in [vec![], vec![SyntheticRay::primary(nodes([0]))]] {
+        let cycles = tally(&machine, &frame(info, &rays, &[], 1)).cycles;
+        assert!(cycles.abs_diff(500_000) < 300, "{cycles}");
+    }
+}
+
 /// Traffic of an on-chip buffer is counted; nothing else changes.
 #[test]
 fn a_buffer_on_the_chip_counts_and_costs_nothing() {

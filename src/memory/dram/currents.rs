@@ -49,5 +49,5 @@ pub struct Currents {
     pub io_pj_per_bit: Spread,
 }
 
-/// `f64` fields allow `Eq` here: files hold finite values only.
+/// `Currents::check` refuses values that are not finite.
 impl Eq for Currents {}

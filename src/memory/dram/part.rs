@@ -200,7 +200,10 @@ impl DramPart {
                  after it can take"
             ));
         }
-        Ok(())
+        match &self.energy {
+            Some(DramEnergy::Currents(currents)) => currents.check(&self.timing),
+            Some(DramEnergy::PerBit { .. }) | None => Ok(()),
+        }
     }
 }
 

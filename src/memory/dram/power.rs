@@ -27,6 +27,31 @@ pub struct CommandEnergy {
 }
 
 impl Currents {
+    /// Checks that all currents are finite, and that no command takes less than the background.
+    ///
+    /// # Errors
+    /// Says which field is wrong, and what is allowed.
+    pub(super) fn check(&self, timing: &Timing) -> Result<(), String> {
+        let Self { volt, idd0, idd2n, idd3n, idd4r, idd4w, idd5, .. } = *self;
+        let [rc, ras, rp] = [timing.rc.get(), timing.ras.get(), timing.rp.get()].map(|clocks| clocks as f64);
+        // An activate and its precharge take idd0 for rc clocks; banks are open for ras of them.
+        let least_idd0 = (idd3n * ras + idd2n * rp) / rc;
+        for (name, value, least) in [
+            ("volt", volt, 0.0),
+            ("idd2n", idd2n, 0.0),
+            ("idd3n", idd3n, idd2n),
+            ("idd0", idd0, least_idd0),
+            ("idd4r", idd4r, idd3n),
+            ("idd4w", idd4w, idd3n),
+            ("idd5", idd5, idd3n),
+        ] {
+            if !value.is_finite() || value < least {
+                return Err(format!("`energy.{name}` is {value}: a number of at least {least} is allowed"));
+            }
+        }
+        Ok(())
+    }
+
     /// Energy per command and per clock at `clock_mhz` from the data sheet's currents.
     pub fn commands(&self, timing: &Timing, burst_clocks: u64, clock_mhz: u64) -> CommandEnergy {
         // V x mA x ns are pJ.
@@ -87,6 +112,31 @@ impl DramSpec {
                     ("dram_io", currents.io_pj_per_bit * bits),
                 ])
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::memory::dram::part::DramPart;
+
+    #[test]
+    fn wrong_currents_are_named() {
+        let part = DramPart::default();
+        let Some(DramEnergy::Currents(good)) = part.energy else { panic!("the default part has currents") };
+        assert_eq!(good.check(&part.timing), Ok(()));
+        for (wrong, name) in [
+            (Currents { volt: f64::NAN, ..good }, "volt"),
+            (Currents { volt: -1.0, ..good }, "volt"),
+            (Currents { idd3n: good.idd2n / 2.0, ..good }, "idd3n"),
+            (Currents { idd0: good.idd3n / 2.0, ..good }, "idd0"),
+            (Currents { idd4r: good.idd3n / 2.0, ..good }, "idd4r"),
+            (Currents { idd4w: f64::INFINITY, ..good }, "idd4w"),
+            (Currents { idd5: 0.0, ..good }, "idd5"),
+        ] {
+            let error = wrong.check(&part.timing).unwrap_err();
+            assert!(error.starts_with(&format!("`energy.{name}` is ")), "{error}");
         }
     }
 }

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::Path;
 
+use crate::input::{self, MAX_CONFIG_BYTES};
 use crate::report::error::ReportError;
 use crate::report::format::{ABSENT, counted};
 
@@ -16,7 +17,7 @@ pub(super) type Fields = BTreeMap<String, String>;
 /// The fields of the experiment in the report `folder`; empty if the folder holds no config.
 pub(super) fn read(folder: &Path) -> Result<Fields, ReportError> {
     let path = folder.join(CONFIG_FILE);
-    match std::fs::read_to_string(&path) {
+    match input::read_text(&path, MAX_CONFIG_BYTES) {
         Ok(text) => Ok(fields(&text)),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Fields::new()),
         Err(source) => Err(ReportError::Read { path, source }),

@@ -1,21 +1,17 @@
 //! The files of a run's report, in memory and read back.
 
-use std::fs;
 use std::path::{Component, Path};
 
 use super::over_time::{self, OverTime};
 use super::pictures::{Image, PictureInfo, png};
 use super::summary::{SCHEMA, Summary};
-use crate::input;
+use crate::input::{self, MAX_CONFIG_BYTES, MAX_REPORT_FILE_BYTES};
 use crate::json;
 use crate::report::error::ReportError;
 use crate::report::writer::SUMMARY_FILE;
 
 /// The experiment as run.
 pub(super) const CONFIG_FILE: &str = "config.ron";
-
-/// The largest summary that is read, in bytes.
-const MAX_SUMMARY_BYTES: u64 = 1 << 28;
 
 /// A picture and its PNG file.
 pub(super) type PngPicture = (PictureInfo, Vec<u8>);
@@ -60,7 +56,8 @@ impl RunFiles {
         let path = folder.join(SUMMARY_FILE);
         let summary = read_summary(&path)?;
         let config = folder.join(CONFIG_FILE);
-        let config = fs::read_to_string(&config).map_err(|source| ReportError::Read { path: config, source })?;
+        let config =
+            input::read_text(&config, MAX_CONFIG_BYTES).map_err(|source| ReportError::Read { path: config, source })?;
         let mut pictures = Vec::new();
         for info in &summary.pictures {
             let inside = Path::new(&info.file).components().all(|part| matches!(part, Component::Normal(_)));
@@ -68,7 +65,8 @@ impl RunFiles {
                 return Err(ReportError::Outside { path, file: info.file.clone() });
             }
             let picture = folder.join(&info.file);
-            let png = fs::read(&picture).map_err(|source| ReportError::Read { path: picture, source })?;
+            let png = input::read(&picture, MAX_REPORT_FILE_BYTES)
+                .map_err(|source| ReportError::Read { path: picture, source })?;
             pictures.push((info.clone(), png));
         }
         Ok(Self { summary, config, pictures, over_time: over_time::read(folder)? })
@@ -81,7 +79,7 @@ impl RunFiles {
 /// The file cannot be read, or holds no summary of this version.
 pub(crate) fn read_summary(path: &Path) -> Result<Summary, ReportError> {
     let broken = |source| ReportError::Broken { path: path.into(), source };
-    let read = input::read(path, MAX_SUMMARY_BYTES);
+    let read = input::read(path, MAX_REPORT_FILE_BYTES);
     let text = read.map_err(|source| ReportError::Read { path: path.into(), source })?;
     let value: serde_json::Value = json::read(&text).map_err(broken)?;
     match value.get("schema") {

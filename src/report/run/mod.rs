@@ -24,7 +24,9 @@ pub(crate) use machine_columns::{CountedColumn, counted_columns};
 pub(crate) use machine_run::{Asked, MachineRun};
 pub(crate) use over_time::{OverTime, Span};
 pub(in crate::report) use results::machine_rows;
-pub(crate) use summary::{FrameResult, LightWrong, MachineSummary, PolicySummary, Psnr, SCHEMA, SceneSummary, Summary};
+pub(crate) use summary::{
+    FrameResult, LightWrong, MachineSummary, PolicySummary, Psnr, SCHEMA, Saved, SceneSummary, Summary,
+};
 pub(crate) use tables::replayed;
 pub(crate) use terminal::{replay_verdict, terminal, verdict};
 pub(crate) use write::redraw;

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::quantity::Cycle;
 use crate::report::format::{counted, percent};
+use crate::student::student;
 
 /// The version of the names in `summary.json`.
 const SCHEMA: u32 = 3;
@@ -151,13 +152,12 @@ pub(crate) struct Shift {
 }
 
 impl Shift {
-    /// From the changes in several scenes, by Student's t (12 scenes: 11 degrees of freedom).
+    /// From the changes in several scenes, at least two, by Student's t.
     pub(crate) fn of(changes: &[f64]) -> Self {
-        const T: f64 = 2.201;
         let count = changes.len() as f64;
         let mean = changes.iter().sum::<f64>() / count;
         let variance = changes.iter().map(|change| (change - mean).powi(2)).sum::<f64>() / (count - 1.0);
-        Self { mean, error: T * (variance / count).sqrt() }
+        Self { mean, error: student(count - 1.0) * (variance / count).sqrt() }
     }
 
     /// Whether the change is larger than half the width of its interval.
@@ -183,7 +183,7 @@ impl StressSummary {
         let exact: Vec<usize> = (0..self.policies.len()).filter(|&at| self.policies[at].exact).collect();
         let is_wrong = |case: &&CaseSummary| exact.iter().any(|&at| Outcome::of(&case.policies[at]) != Outcome::Right);
         let wrong = self.cases.iter().filter(is_wrong).count();
-        let failed = self.broken().len().saturating_sub(wrong);
+        let failed = self.cases.iter().flat_map(|case| self.broken_models(case)).count();
         let models =
             if failed > 0 { format!("; {} must agree and do not", counted(failed, "result")) } else { String::new() };
         let policies = if exact.len() == 1 { "policy" } else { "policies" };
@@ -192,20 +192,26 @@ impl StressSummary {
 
     /// Wrong decisions of exact policies, and timing models that failed or differ although they must agree.
     pub(crate) fn broken(&self) -> Vec<String> {
-        let of_case = |case: &CaseSummary| -> Vec<String> {
-            let exact = self.policies.iter().zip(&case.policies).filter(|(policy, _)| policy.exact);
-            let wrong = exact.filter(|(_, frames)| Outcome::of(frames) != Outcome::Right);
-            let wrong = wrong.map(|(policy, _)| format!("{} in {}", policy.name, case.name));
-            let models = self.models.iter().zip(&case.models).filter_map(|(model, verdict)| match verdict {
-                ModelVerdict::Agrees => None,
-                ModelVerdict::Differs(share) => model
-                    .exact
-                    .then(|| format!("{} in {}: cycles differ by {}", model.name, case.name, percent(*share))),
-                ModelVerdict::Failed(why) => Some(format!("{} in {}: {why}", model.name, case.name)),
-            });
-            wrong.chain(models).collect()
-        };
+        let of_case = |case| self.wrong_policies(case).chain(self.broken_models(case));
         self.cases.iter().flat_map(of_case).collect()
+    }
+
+    /// Exact policies with wrong decisions in a case.
+    fn wrong_policies(&self, case: &CaseSummary) -> impl Iterator<Item = String> {
+        let exact = self.policies.iter().zip(&case.policies).filter(|(policy, _)| policy.exact);
+        let wrong = exact.filter(|(_, frames)| Outcome::of(frames) != Outcome::Right);
+        wrong.map(|(policy, _)| format!("{} in {}", policy.name, case.name))
+    }
+
+    /// Timing models that failed in a case, or differ although they must agree.
+    fn broken_models(&self, case: &CaseSummary) -> impl Iterator<Item = String> {
+        self.models.iter().zip(&case.models).filter_map(|(model, verdict)| match verdict {
+            ModelVerdict::Agrees => None,
+            ModelVerdict::Differs(share) => {
+                model.exact.then(|| format!("{} in {}: cycles differ by {}", model.name, case.name, percent(*share)))
+            }
+            ModelVerdict::Failed(why) => Some(format!("{} in {}: {why}", model.name, case.name)),
+        })
     }
 }
 
@@ -232,7 +238,8 @@ pub(crate) mod tests {
         let shift = Shift::of(&changes);
         let variance: f64 = 8.0 * 4.0 / 11.0;
         assert_eq!(shift.mean, 3.0);
-        assert!((shift.error - 2.201 * (variance / 12.0).sqrt()).abs() < 1e-12);
+        // The 97.5 % point of Student's t with 11 degrees of freedom, from a table.
+        assert!((shift.error - 2.200_985 * (variance / 12.0).sqrt()).abs() < 1e-6);
         assert!(shift.matters());
         assert!(!Shift::of(&[0.0; 12]).matters());
     }
@@ -256,8 +263,17 @@ pub(crate) mod tests {
     fn an_exact_policy_that_is_wrong_is_named() {
         let mut summary = summary();
         assert_eq!(summary.broken(), Vec::<String>::new());
+        assert_eq!(summary.verdict(), "1 exact policy: 0 wrong in 1 case");
         summary.policies[1].exact = true;
+        // Two policies are wrong in one case: no timing model is blamed for it.
+        let third = summary.cases[0].policies[1].clone();
+        summary.cases[0].policies.push(third);
+        summary.policies.push(StressPolicy { name: "Other".into(), exact: true });
+        assert_eq!(summary.verdict(), "3 exact policies: 1 wrong in 1 case");
+        summary.cases[0].policies.pop();
+        summary.policies.pop();
         summary.models[1].exact = true;
+        assert_eq!(summary.verdict(), "2 exact policies: 1 wrong in 1 case; 1 result must agree and do not");
         assert_eq!(summary.broken(), ["Published in C8", "Bound in C8: cycles differ by 50.0 %"]);
     }
 }
