@@ -16,8 +16,8 @@ const SHOWN_PIXEL: u128 = 3;
 const TRIANGLE: u128 = 400;
 /// Bytes of an entry of a policy's store.
 const ENTRY: u128 = 8;
-/// Bytes of a pixel's recorded rays, if a live policy makes the whole picture one band: some 250 steps of 4 bytes with
-/// the rays' heads (kitchen, six lights: 240).
+/// Bytes of a pixel's recorded rays, if a live policy makes the whole picture one band: 250 steps of 4 bytes, assumed
+/// (kitchen with six lights: 146 steps).
 const RECORDED_PIXEL: u128 = 1000;
 
 /// The memory that an experiment is going to take.
