@@ -67,6 +67,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "json",
             "counters",
             "stats",
+            "student",
             "stream::Totals",
             "validate::PixelVerdict",
         ],
