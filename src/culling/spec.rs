@@ -100,3 +100,32 @@ impl PolicySpec {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Lamps;
+
+    fn facts(primitives: u32, lights: u32) -> SceneFacts {
+        SceneFacts { statics: primitives, primitives, lights, lamps: Lamps::points() }
+    }
+
+    #[test]
+    fn the_largest_store_is_known_before_a_policy_is_built() {
+        for (name, policy) in PolicySpec::all() {
+            let stores = policy.build(facts(100, 3)).stores();
+            let largest = stores.mode_words.max(stores.pixel_counters).max(stores.occluder_ids);
+            assert_eq!(policy.largest_store(facts(100, 3)), u64::from(largest), "{name}");
+        }
+    }
+
+    /// More than a step can number, and more than 32 bits hold.
+    #[test]
+    fn large_stores_are_counted_in_full() {
+        let last = PolicySpec::LastOccluder(last_occluder::LastOccluderSpec::default());
+        assert_eq!(last.largest_store(facts(100_000_000, 64)), 6_400_000_000);
+        let grid =
+            occluder_grid::OccluderGridSpec { cells: crate::ranged::Within::literal(1024), ..Default::default() };
+        assert_eq!(PolicySpec::OccluderGrid(grid).largest_store(facts(1, 22)), 138_412_032);
+    }
+}

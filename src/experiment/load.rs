@@ -300,3 +300,19 @@ pub(super) fn check_boxes(path: &Path, policies: &Named<PolicySpec>, structure: 
         None => Ok(()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Lamps;
+
+    #[test]
+    fn stores_that_a_step_cannot_number_are_refused() {
+        let facts = |primitives| SceneFacts { statics: 0, primitives, lights: 64, lamps: Lamps::points() };
+        let mut policies = Named::default();
+        policies.insert("last".to_owned(), PolicySpec::LastOccluder(Default::default()));
+        assert_eq!(check_stores(&policies, facts(2_097_152)), Ok(()));
+        let error = check_stores(&policies, facts(2_097_153)).unwrap_err();
+        assert_eq!(error, "the policy `last` keeps 134217792 entries: up to 134217728 are allowed");
+    }
+}
