@@ -31,7 +31,7 @@
 //! 1. [`stream`]: the record of a traced ray, and the content of a file of rays.
 //! 2. [`culling`]: what a policy stores and decides, then one policy, such as [`culling::last_occluder`].
 //! 3. [`tracer`]: how one tracing of a frame serves all policies.
-//! 4. [`machine`]: the parts of a machine; MODEL.md has the rules that engines follow.
+//! 4. [`machine`]: the parts of a machine; docs/model has the rules that engines follow.
 //! 5. [`replay`](mod@replay): how a stream is replayed, and at which fidelity levels.
 //! 6. [`experiment`]: scene, policies and machines together.
 //!

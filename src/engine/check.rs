@@ -7,7 +7,7 @@ use crate::machine::MachineSpec;
 use crate::machine::shadow_cache::{FrameEnd, ShadowCacheSpec};
 use crate::machine::traffic::RayBuffer;
 use crate::machine::word_traffic::{Decide, LatchedCopy, SilentUpdates};
-use crate::memory::cache::Past;
+use crate::memory::cache::BypassCounts;
 use crate::memory::dram::spec::Model;
 use crate::stats::{Bounds, MachineStats, TrafficClass};
 
@@ -140,7 +140,7 @@ fn traffic(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
     let dram = sum(tally.channels.iter().map(|channel| &channel.moved));
     for class in TrafficClass::ALL {
         let (index, name) = (class as usize, class.name());
-        let past = |of: fn(&UnitTally) -> &PerClass<Past>| {
+        let past = |of: fn(&UnitTally) -> &PerClass<BypassCounts>| {
             let all = units().map(|unit| of(unit)[index]);
             all.fold((0, 0), |(count, bytes), past| (count + past.count, bytes + past.bytes.0))
         };

@@ -10,7 +10,7 @@ use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
 use crate::machine::traffic::{RayBuffer, Run};
 use crate::memory::bank::Served;
-use crate::memory::cache::Past;
+use crate::memory::cache::BypassCounts;
 use crate::memory::queue::Load;
 use crate::quantity::{Bytes, Cycle};
 use crate::stats::{CacheCounts, CacheStats, Cause, DramCounts, L1Counts, MachineStats, QueueCounts, TrafficClass};
@@ -42,9 +42,9 @@ pub(crate) struct UnitTally {
     /// Bytes that the unit requested from its L1.
     pub requested: PerClass<Bytes>,
     /// Writes that went through the L1 to the L2.
-    pub written_through: PerClass<Past>,
+    pub written_through: PerClass<BypassCounts>,
     /// Reads that bypassed the L1.
-    pub bypassed: PerClass<Past>,
+    pub bypassed: PerClass<BypassCounts>,
     /// Misses of attributed rays, in engines that replay samples.
     pub attributed: PerClass<u64>,
 }

@@ -4,7 +4,7 @@ use super::spec::MachineSpec;
 use super::writes::WritePolicy;
 use crate::memory::cache::CacheSpec;
 
-/// Kinds of units, in the order of [`super::tally::Tally::units`].
+/// Kinds of units with an L1. The engine's `Tally::units` has the same order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Kind {
     /// Traversal units.

@@ -1,5 +1,5 @@
 //! The machine: specs of its parts with defaults and sources, the numbers of its parts, and the layout of memory. This
-//! module does not depend on any engine. MODEL.md states the rules that engines follow.
+//! module does not depend on any engine. docs/model states the rules that engines follow.
 
 pub mod dispatcher;
 pub mod division;

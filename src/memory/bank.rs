@@ -230,7 +230,7 @@ impl Bank {
             Lookup::Hit if !write => answer(from, line, wake),
             Lookup::Hit | Lookup::Merged => {}
             Lookup::Miss => self.push_out(line, class, false),
-            Lookup::Passed => self.push_out(line, class, true),
+            Lookup::WriteAround => self.push_out(line, class, true),
         }
         self.requests.take(now, wake);
         if write {

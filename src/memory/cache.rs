@@ -153,21 +153,21 @@ pub enum Lookup {
     /// The line must be fetched: the caller sends a request.
     Miss,
     /// A write to an absent line that allocates nothing: the caller sends the write down.
-    Passed,
+    WriteAround,
     /// No MSHR, target or place in the output queue was free: nothing was counted or changed.
     Stalled,
 }
 
 /// Counts reads or writes that bypassed an L1, or writes through it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Past {
+pub struct BypassCounts {
     /// Number of accesses.
     pub count: u64,
     /// Their data in bytes.
     pub bytes: Bytes,
 }
 
-impl Past {
+impl BypassCounts {
     /// Counts one access of `bytes` bytes.
     pub fn add(&mut self, bytes: Bytes) {
         self.count += 1;
@@ -253,7 +253,7 @@ impl Cache {
         if waiting.is_none() && !fill.keep {
             counts.accesses += 1;
             counts.passed_writes += 1;
-            return Lookup::Passed;
+            return Lookup::WriteAround;
         }
         if self.mshrs.is_full() {
             return Lookup::Stalled;

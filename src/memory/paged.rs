@@ -1,4 +1,4 @@
-//! Values by line number; memory use follows the touched lines, not the largest line number.
+//! Values by line number. Memory: 64 values for each touched page, and 8 bytes for each page up to the largest line.
 
 /// Values in a page.
 const PAGE: usize = 64;

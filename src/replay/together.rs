@@ -3,7 +3,7 @@
 use super::fidelity::Fidelity;
 use crate::engine::Source;
 use crate::machine::MachineSpec;
-use crate::sampling::{self, Against, Cut, Each, Verdict};
+use crate::sampling::{self, Against, Cut, PerMachine, Verdict};
 use crate::stream::Header;
 
 /// A stream, its cut, and the fidelity of the replays. The machines were checked before.
@@ -33,7 +33,7 @@ impl Together<'_> {
     ///
     /// # Errors
     /// The stream cannot be read, or the sample is too small. Per machine: its run fails.
-    pub(crate) fn sample(&self, machines: &[&MachineSpec], source: &dyn Source) -> Each<Verdict> {
+    pub(crate) fn sample(&self, machines: &[&MachineSpec], source: &dyn Source) -> PerMachine<Verdict> {
         let Self { header, fidelity, cut, baseline } = *self;
         match fidelity {
             Fidelity::Auto { error } => sampling::auto(machines, baseline, cut, error, header, source),

@@ -4,8 +4,8 @@ use super::baseline::known;
 use super::findings::{Findings, KnownBaseline};
 use super::job::Found;
 use super::job_cache::{CachedJob, JobCache};
-use super::pass::{Each, Member, Pass, Sampler};
-use super::plan::{Plan, TELLING};
+use super::pass::{Member, Pass, PerMachine, Sampler};
+use super::plan::{MIN_POINTS_TO_STOP, Plan};
 use crate::engine::{RunError, Sampled, Source};
 use crate::machine::MachineSpec;
 use crate::ranged::Share;
@@ -37,7 +37,7 @@ pub(crate) fn sample_until(
     plan: &Plan,
     goal: Goal,
     source: &dyn Source,
-) -> Each<(MachineStats, bool)> {
+) -> PerMachine<(MachineStats, bool)> {
     let sampler = Sampler::new(engine, header);
     let keep = (goal.most * plan.strata.length) as usize;
     let figures = baseline.map(|(machine, stats)| known(machine, stats)).unwrap_or_default();
@@ -147,7 +147,7 @@ impl<'a> Sample<'a> {
             None => stats.accuracy.widest(),
         };
         let widest = widest.unwrap_or(f64::INFINITY);
-        let is_enough = points >= TELLING && widest <= target.get();
+        let is_enough = points >= MIN_POINTS_TO_STOP && widest <= target.get();
         match plan.next_draws(points, widest, target.get(), keep).filter(|_| !is_enough) {
             Some(end) => self.reach(end),
             None => {

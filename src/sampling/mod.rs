@@ -34,7 +34,7 @@ mod word_tags;
 
 pub(crate) use self::auto::{auto, pays};
 pub(crate) use self::grow::Against;
-pub(crate) use self::pass::Each;
+pub(crate) use self::pass::PerMachine;
 pub(crate) use self::plan::{Cut, Lengths};
 pub(crate) use self::sample::{sample, sample_together, sample_until_within};
 pub(crate) use self::verdict::Verdict;

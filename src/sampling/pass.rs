@@ -69,7 +69,7 @@ type Numbered = (usize, usize, Result<Found, RunError>);
 type ToReplay = (usize, Job);
 
 /// A result for each machine, or that machine's error; an error of the stream concerns all.
-pub(crate) type Each<T> = Result<Vec<Result<T, RunError>>, RunError>;
+pub(crate) type PerMachine<T> = Result<Vec<Result<T, RunError>>, RunError>;
 
 impl<'a> Sampler<'a> {
     /// A sampler with rayon's number of threads, which `--threads` sets.
@@ -83,7 +83,7 @@ impl<'a> Sampler<'a> {
     ///
     /// # Errors
     /// The stream cannot be read. Per machine: a replay fails.
-    pub(crate) fn pass(&self, members: &[Member<'_>], keep: usize, items: &mut ItemStream<'_>) -> Each<Pass> {
+    pub(crate) fn pass(&self, members: &[Member<'_>], keep: usize, items: &mut ItemStream<'_>) -> PerMachine<Pass> {
         let Some(first) = members.first() else { return Ok(Vec::new()) };
         let ends = members.iter().map(|member| member.plan.draws.end);
         let mut cutter = Cutter::new(self.header, first.machine, &first.plan, ends.fold(keep, usize::max));

@@ -18,7 +18,7 @@ const LEAST_BEFORE: usize = 768;
 const LEAST_OWN: usize = 512;
 
 /// Minimum points for an interval: eight leave three degrees of freedom or more.
-pub(crate) const LEAST: usize = 8;
+pub(crate) const MIN_POINTS: usize = 8;
 /// Points from which on an interval's width predicts the number of points needed. With fewer, regressions have few
 /// columns, and intervals shrink much faster than with the root of the number of points. (Kitchen, `Published`,
 /// `small`, 512 windows: for 2 %, the width from 24 windows predicted more windows than there are; 48 gave 1.9 %.)
@@ -26,7 +26,7 @@ pub(crate) const LEAST: usize = 8;
 /// A sample with a target does not stop before. Where most intervals are too wide, stopping at a narrow one selects
 /// those that are narrow by chance: of 59 such samples of the recorded quick start (targets of 2 to 15 %), the
 /// intervals of 43 held the truth.
-pub(crate) const TELLING: usize = 48;
+pub(crate) const MIN_POINTS_TO_STOP: usize = 48;
 
 /// How a stream is cut: the number of pieces in a window, in its lead-in and in its tail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -150,15 +150,18 @@ impl Plan {
     ///
     /// Intervals shrink with the root of the number of points. A quarter is added, since the width itself is an
     /// estimate. For the same reason the number at most doubles: a first width may be far too large. With fewer points
-    /// than [`TELLING`], the goal is [`TELLING`]. Widths of few points shrink faster: to half with twice as many, where
+    /// than [`MIN_POINTS_TO_STOP`], the goal is [`MIN_POINTS_TO_STOP`]. Widths of few points shrink faster: to half with twice as many, where
     /// the root says 0.7 (staircase, `Published`, `small`: 4.5 % of L2 bytes with 48 windows, 2.2 % with 94). So with
-    /// fewer than twice [`TELLING`] points, a need of twice `most` is accepted.
+    /// fewer than twice [`MIN_POINTS_TO_STOP`] points, a need of twice `most` is accepted.
     pub(crate) fn next_draws(&self, points: usize, share: f64, target: f64, most: usize) -> Option<usize> {
         let (now, twice) = (self.draws.end, 2 * self.draws.end);
         let needed = |share: f64| (1.25 * now as f64 * (share / target).powi(2)).ceil() as usize;
-        let enough =
-            if points < TELLING { (now * TELLING).div_ceil(points.max(1)) } else { needed(share).max(now + 1) };
-        let believed = if points < 2 * TELLING { 2 * most } else { most };
+        let enough = if points < MIN_POINTS_TO_STOP {
+            (now * MIN_POINTS_TO_STOP).div_ceil(points.max(1))
+        } else {
+            needed(share).max(now + 1)
+        };
+        let believed = if points < 2 * MIN_POINTS_TO_STOP { 2 * most } else { most };
         (enough <= believed && enough.min(twice) <= most).then_some(enough.min(twice))
     }
 }

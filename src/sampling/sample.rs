@@ -3,8 +3,8 @@
 
 use super::findings::Findings;
 use super::grow::{Against, Goal, sample_until};
-use super::pass::{Each, Member, Sampler};
-use super::plan::{Cut, LEAST, Plan, TELLING};
+use super::pass::{Member, PerMachine, Sampler};
+use super::plan::{Cut, MIN_POINTS, MIN_POINTS_TO_STOP, Plan};
 use super::verdict::Verdict;
 use crate::engine::whole::whole;
 use crate::engine::{ItemStream, RunError, Sampled, Source};
@@ -14,8 +14,8 @@ use crate::stats::{Accuracy, MachineStats};
 use crate::stream::Header;
 
 /// Maximum points for each window of a stream. Where a target error needs half of the windows or more, everything is
-/// replayed. A stream is not sampled if [`LEAST`] windows are more than half of it: one unmeasured window may differ
-/// from all others. With a target error, it is not sampled if [`TELLING`] windows are more than half of it.
+/// replayed. A stream is not sampled if [`MIN_POINTS`] windows are more than half of it: one unmeasured window may differ
+/// from all others. With a target error, it is not sampled if [`MIN_POINTS_TO_STOP`] windows are more than half of it.
 const MOST: f64 = 0.5;
 
 /// A sample's figures with the errors that it can claim. Windows of a level that is not exact tell how far the figures
@@ -59,9 +59,9 @@ pub(crate) fn sample_together(
     machines: &[&MachineSpec],
     header: &Header,
     items: &mut ItemStream<'_>,
-) -> Each<MachineStats> {
+) -> PerMachine<MachineStats> {
     let refused = |windows: usize| {
-        let least = LEAST as f64 / windows.max(1) as f64;
+        let least = MIN_POINTS as f64 / windows.max(1) as f64;
         let advice = if least <= MOST {
             format!("take a `rate` of {:.3} or more, Auto, or Event", (least * 1000.0).ceil() / 1000.0)
         } else {
@@ -70,7 +70,7 @@ pub(crate) fn sample_together(
         RunError::Sample { windows, pixels: cut.window(), rate: rate.get(), advice }
     };
     let windows = cut.windows(header);
-    if (windows * rate.get()).round() < LEAST as f64 || windows * MOST < LEAST as f64 {
+    if (windows * rate.get()).round() < MIN_POINTS as f64 || windows * MOST < MIN_POINTS as f64 {
         return Err(refused(windows as usize));
     }
     let plan = Plan::new(rate.get(), cut, seed);
@@ -80,7 +80,7 @@ pub(crate) fn sample_together(
         let findings = Findings::of(&sampler, machine, &cut, pass?);
         // The stream may have ended early.
         let windows = findings.population.windows;
-        if findings.points(plan.draws.end) < LEAST / 2 && windows > 0 {
+        if findings.points(plan.draws.end) < MIN_POINTS / 2 && windows > 0 {
             return Err(refused(windows));
         }
         Ok(claimed(engine, findings.estimate(machine, plan.draws.end)))
@@ -101,11 +101,11 @@ pub(crate) fn sample_until_within(
     (machines, baseline): (&[&MachineSpec], Option<Against<'_>>),
     header: &Header,
     source: &dyn Source,
-) -> Each<Verdict> {
+) -> PerMachine<Verdict> {
     let whole = Verdict::Whole { level: engine.into(), choice: None };
     let windows = cut.windows(header);
-    let first = rate.get().max(LEAST as f64 / windows);
-    if first.max(TELLING as f64 / windows) > MOST {
+    let first = rate.get().max(MIN_POINTS as f64 / windows);
+    if first.max(MIN_POINTS_TO_STOP as f64 / windows) > MOST {
         return Ok(machines.iter().map(|_| Ok(whole.clone())).collect());
     }
     let goal = Goal { target, most: MOST };

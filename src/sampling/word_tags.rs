@@ -90,8 +90,8 @@ impl WordTags {
         self.units.l1s.iter_mut().for_each(|cache| cache.drop_from(first));
     }
 
-    /// The policy accesses of a chunk's rays, each at the end of its path. `trodden` has the paths' requests; `shift`
-    /// moves their lines to this machine's layout.
+    /// The policy accesses of a chunk's rays, each at the end of its path. `outcome` has the paths' requests and
+    /// ends; `shift` moves their lines to this machine's layout.
     pub(super) fn piece(&mut self, chunk: &Chunk, rays: Range<usize>, outcome: &PathOutcome, shift: Shift) -> Requests {
         let mut to =
             Requests { list: Vec::with_capacity(outcome.requests.list.len()), covariates: outcome.requests.covariates };

@@ -1,6 +1,6 @@
 //! Surfaces and light: the colour of a hit, and the rays that leave it.
 //!
-//! The rules are those of the reference renderer, in `f32`; MODEL.md describes them.
+//! The rules are those of the reference renderer, in `f32`; docs/model/functional-side.md describes them.
 
 use glam::{Vec2, Vec3};
 

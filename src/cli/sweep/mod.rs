@@ -72,7 +72,7 @@ const MOST_ROWS: usize = 24;
 #[derive(Args)]
 #[group(multiple = false)]
 struct Part {
-    /// Write the points to FILE as CSV, or as JSON lines if it ends in .jsonl; - is standard output
+    /// Write the points to FILE as CSV, or as JSON lines if it ends in .jsonl, .ndjson or .json; - is standard output
     #[arg(long, value_name = "FILE", conflicts_with = "json")]
     plan: Option<PathBuf>,
     /// Record the ray streams alone

@@ -17,7 +17,7 @@ struct Register<W> {
 
 /// An access to a line.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Asked {
+pub(super) struct LineAccess {
     pub line: LineAddr,
     pub class: TrafficClass,
     pub write: bool,
@@ -28,19 +28,19 @@ pub(super) struct Asked {
 
 /// The result of an access.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Met {
+pub(super) enum Lookup {
     Hit,
-    HalfMiss,
+    MshrHit,
     Miss,
     /// A write that does not allocate its line: the caller sends it down.
-    Passes,
+    WriteAround,
     /// The access lacks an MSHR, a target or a place in the output queue: nothing was done.
     Stop,
 }
 
 /// A line that was filled.
 #[derive(Clone, Debug)]
-pub(super) struct Filled<W> {
+pub(super) struct Fill<W> {
     /// The dirty line that it displaced.
     pub dirty_victim: Option<Victim>,
     /// The waiting accesses, oldest first.
@@ -64,36 +64,36 @@ impl<W> Cache<W> {
     }
 
     /// An access for `who`. `room` says whether the output queue has a place.
-    pub(super) fn access(&mut self, asked: Asked, room: bool, who: W) -> Met {
-        let Asked { line, class, write, dirties, needs_data } = asked;
+    pub(super) fn access(&mut self, asked: LineAccess, room: bool, who: W) -> Lookup {
+        let LineAccess { line, class, write, dirties, needs_data } = asked;
         let unallocated = if write { self.no_allocate.writes } else { self.no_allocate.reads };
         let allocates = !unallocated.contains(class);
         let counts = &mut self.counts[class as usize];
         let met = if self.tags.access(line, dirties) {
             counts.hits += 1;
-            Met::Hit
+            Lookup::Hit
         } else if let Some(register) = self.registers.iter_mut().find(|register| register.line == line) {
             if register.targets.len() == self.most_targets {
-                return Met::Stop;
+                return Lookup::Stop;
             }
             register.targets.push(who);
             register.written |= dirties;
             register.kept |= allocates;
             counts.mshr_hits += 1;
-            Met::HalfMiss
+            Lookup::MshrHit
         } else if !allocates && !needs_data {
             if !room {
-                return Met::Stop;
+                return Lookup::Stop;
             }
             counts.passed_writes += 1;
-            Met::Passes
+            Lookup::WriteAround
         } else {
             if self.registers.len() == self.most_registers || !room {
-                return Met::Stop;
+                return Lookup::Stop;
             }
             self.registers.push(Register { line, class, written: dirties, kept: allocates, targets: vec![who] });
             counts.misses += 1;
-            Met::Miss
+            Lookup::Miss
         };
         counts.accesses += 1;
         met
@@ -101,7 +101,7 @@ impl<W> Cache<W> {
 
     /// Fills a missed line. Returns `None` and does nothing if the victim is dirty and there is no `room`. A line that
     /// is not allocated is not filled; if it was written, it goes down itself.
-    pub(super) fn fill(&mut self, line: LineAddr, room: bool) -> Option<Filled<W>> {
+    pub(super) fn fill(&mut self, line: LineAddr, room: bool) -> Option<Fill<W>> {
         let index = self.registers.iter().position(|register| register.line == line);
         let index = index.expect("only a line that was missed comes");
         let &Register { class, written, kept, .. } = &self.registers[index];
@@ -116,7 +116,7 @@ impl<W> Cache<W> {
         if let Some(victim) = dirty_victim {
             self.counts[victim.class as usize].write_backs += 1;
         }
-        Some(Filled { dirty_victim, waited: self.registers.remove(index).targets })
+        Some(Fill { dirty_victim, waited: self.registers.remove(index).targets })
     }
 
     /// A frame begins: drops lines from `first` on.

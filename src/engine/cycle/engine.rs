@@ -1,8 +1,8 @@
 //! The machine and its cycle loop.
 
+use super::dispatcher::Dispatcher;
 use super::division::Division;
 use super::dram::Channel;
-use super::host::Host;
 use super::intersection::Intersection;
 use super::l2::Bank;
 use super::link::Link;
@@ -25,7 +25,7 @@ use crate::stream::Header;
 
 /// The machine.
 pub(crate) struct Cycle {
-    host: Host,
+    dispatcher: Dispatcher,
     traversal: Vec<Traversal>,
     list: Vec<List>,
     intersection: Vec<Intersection>,
@@ -57,7 +57,7 @@ impl Cycle {
             }
         }
         Self {
-            host: Host::new(spec),
+            dispatcher: Dispatcher::new(spec),
             traversal: (0..units).map(|index| Traversal::new(&spec.traversal, index, line)).collect(),
             list: (0..lists).map(|index| List::new(&spec.list, index, units + index, line)).collect(),
             intersection: (0..tests)
@@ -118,7 +118,7 @@ impl Cycle {
 
     fn queues(&self) -> String {
         let wires = &self.wires;
-        let mut lines = vec![format!("dispatcher: {}", self.host.queues(wires))];
+        let mut lines = vec![format!("dispatcher: {}", self.dispatcher.queues(wires))];
         let mut list = |name: &str, index: usize, queues: String| lines.push(format!("{name} {index}: {queues}"));
         self.traversal.iter().enumerate().for_each(|(i, unit)| list("traversal", i, unit.queues()));
         self.list.iter().enumerate().for_each(|(i, unit)| list("list", i, unit.queues(wires)));
@@ -137,7 +137,7 @@ impl Engine for Cycle {
         let (hears, looks) = (feed.hears(), feed.looks());
         let (mut progress, mut watched) = (0, 0);
         for now in 0.. {
-            let cycle = self.host.tick(now, &mut || feed.next(), &mut self.wires)?;
+            let cycle = self.dispatcher.tick(now, &mut || feed.next(), &mut self.wires)?;
             if let Some(counts) = cycle.frame_over {
                 feed.frame_over(&counts)?;
             }
@@ -154,9 +154,9 @@ impl Engine for Cycle {
             }
             if feed.wants_frame() {
                 feed.frame_counted(&self.tally(now + 1))?;
-                self.host.latencies.forget_longest();
+                self.dispatcher.latencies.forget_longest();
             }
-            if self.host.is_finished() && self.memory_is_empty() {
+            if self.dispatcher.is_finished() && self.memory_is_empty() {
                 return Ok(now + 1);
             }
             let is_built = self.wires.port.as_ref().is_none_or(|port| port.is_built(now));
@@ -187,8 +187,8 @@ impl Engine for Cycle {
         Tally {
             cycles,
             has_causes: true,
-            rays: self.host.rays,
-            dispatcher: self.host.causes,
+            rays: self.dispatcher.rays,
+            dispatcher: self.dispatcher.causes,
             stores: Default::default(),
             units: self.units().map(|units| units.into_iter().map(Unit::tally).collect()),
             queues: [
@@ -200,7 +200,7 @@ impl Engine for Cycle {
                 self.wires.to_bank.iter().map(Link::load).collect(),
                 self.wires.to_channel.iter().map(Link::load).collect(),
             ],
-            latencies: self.host.latencies,
+            latencies: self.dispatcher.latencies,
             divisions: self.division.iter().map(|unit| unit.causes).collect(),
             banks: self.banks.iter().map(bank).collect(),
             port: self.wires.port.as_ref().map(|port| port.counts.clone()).unwrap_or_default(),
@@ -211,7 +211,7 @@ impl Engine for Cycle {
     fn snapshot(&self, _: u64) -> Snapshot {
         let units = self.units();
         let of_units = units.iter().flatten().map(|unit| unit.tally.causes);
-        let dispatcher = std::iter::once(self.host.causes);
+        let dispatcher = std::iter::once(self.dispatcher.causes);
         let Wires { in_fifo, out_fifo, lists, tests, divisions, to_bank, to_channel, .. } = &self.wires;
         let queues = [in_fifo.len(), out_fifo.len()]
             .into_iter()

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::cache::{Asked, Cache, Met};
+use super::cache::{Cache, LineAccess, Lookup};
 use super::request::{DramRequest, Request};
 use super::wires::Wires;
 use crate::memory::bank::BankedSpec;
@@ -77,15 +77,15 @@ impl Bank {
 
     fn access(&mut self, now: u64, wires: &mut Wires) {
         let Some(&Request { line, class, write, bytes, from }) = wires.to_bank[self.index].first(now) else { return };
-        let asked = Asked { line, class, write, dirties: write, needs_data: !write };
+        let asked = LineAccess { line, class, write, dirties: write, needs_data: !write };
         let met = self.cache.access(asked, self.out_has_room(), (!write).then_some(from));
         match met {
-            Met::Stop => return,
-            Met::Hit if write => {}
-            Met::Hit => self.answers.push_back((now + self.spec.latency.get(), from, line)),
-            Met::HalfMiss => {}
-            Met::Miss | Met::Passes => {
-                let (bytes, write) = (Bytes(self.line), met == Met::Passes);
+            Lookup::Stop => return,
+            Lookup::Hit if write => {}
+            Lookup::Hit => self.answers.push_back((now + self.spec.latency.get(), from, line)),
+            Lookup::MshrHit => {}
+            Lookup::Miss | Lookup::WriteAround => {
+                let (bytes, write) = (Bytes(self.line), met == Lookup::WriteAround);
                 self.out.push_back(Request { line, class, write, bytes, from: self.index });
             }
         }
@@ -93,7 +93,7 @@ impl Bank {
         self.moved[class as usize] += bytes;
         if !write {
             self.reads[class as usize] += 1;
-            self.missed[class as usize] += u64::from(met == Met::Miss);
+            self.missed[class as usize] += u64::from(met == Lookup::Miss);
         }
     }
 

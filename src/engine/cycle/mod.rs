@@ -1,16 +1,16 @@
-//! The cycle engine: every part acts in every cycle, strictly as in MODEL.md. It is slow. It is the reference for the
+//! The cycle engine: every part acts in every cycle, strictly by the rules of docs/model. It is slow. It is the reference for the
 //! event-driven engine: both share specs, memory layout and tag arrays, but no scheduling and no units.
 //!
 //! A cycle has two phases: all parts act on the state at the beginning of the cycle; then all links settle.
 
 mod cache;
+mod dispatcher;
 mod division;
 mod dram;
 mod engine;
 mod flat;
 mod gathering;
 mod group;
-mod host;
 mod intersection;
 mod l2;
 mod link;

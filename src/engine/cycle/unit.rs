@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use super::cache::{Asked, Cache, Met};
+use super::cache::{Cache, LineAccess, Lookup};
 use super::ray::Id;
 use super::request::Request;
 use super::wires::Wires;
@@ -22,7 +22,7 @@ struct Fetch {
     /// Accessed lines that have not come.
     to_come: usize,
     /// Whether the fetch bypasses the L1.
-    past_l1: bool,
+    bypass_l1: bool,
 }
 
 /// Latency of an operation, cycles from one to the next, and how many can begin in one cycle.
@@ -89,14 +89,14 @@ impl Unit {
     pub(super) fn fetch(&mut self, id: Id, element: Element, layout: &Layout) {
         let (first, count) = layout.lines(&element);
         let to_access = (0..count).map(|line| LineAddr(first.0 + line)).collect();
-        self.fetches.insert(id, Fetch { element, to_access, to_come: 0, past_l1: false });
+        self.fetches.insert(id, Fetch { element, to_access, to_come: 0, bypass_l1: false });
         self.fetch_queue.push_back(id);
     }
 
     /// A ray begins to fetch `element` from the L2, bypassing the L1.
     pub(super) fn fetch_past_l1(&mut self, id: Id, element: Element, layout: &Layout) {
         self.fetch(id, element, layout);
-        self.fetches.entry(id).and_modify(|fetch| fetch.past_l1 = true);
+        self.fetches.entry(id).and_modify(|fetch| fetch.bypass_l1 = true);
     }
 
     /// Makes a ray ready for an operation on `element` without a fetch.
@@ -206,11 +206,11 @@ impl Unit {
         for _ in 0..self.spec.ports.get() {
             let Some(&id) = self.fetch_queue.front() else { return };
             let room = self.out_has_room();
-            let Some(Fetch { element, to_access, to_come, past_l1 }) = self.fetches.get_mut(&id) else {
+            let Some(Fetch { element, to_access, to_come, bypass_l1 }) = self.fetches.get_mut(&id) else {
                 unreachable!("a ray of the fetch queue has a fetch under way")
             };
             let line = to_access[0];
-            if *past_l1 {
+            if *bypass_l1 {
                 if !room || self.asked.len() == self.spec.mshrs.size() {
                     return;
                 }
@@ -234,12 +234,12 @@ impl Unit {
                 banks_in_use.push(bank);
             }
             let dirties = write && !self.writes.go_through(class);
-            match self.cache.access(Asked { line, class, write, dirties, needs_data: true }, room, id) {
-                Met::Stop => return,
-                Met::Passes => unreachable!("a ray waits for the data"),
-                Met::Hit => self.hits.push_back((now + self.spec.latency.get(), id)),
-                Met::HalfMiss => {}
-                Met::Miss => {
+            match self.cache.access(LineAccess { line, class, write, dirties, needs_data: true }, room, id) {
+                Lookup::Stop => return,
+                Lookup::WriteAround => unreachable!("a ray waits for the data"),
+                Lookup::Hit => self.hits.push_back((now + self.spec.latency.get(), id)),
+                Lookup::MshrHit => {}
+                Lookup::Miss => {
                     let (class, bytes) = (element.class, Bytes(self.line));
                     self.out.push_back(Request { line, class, write: false, bytes, from: self.l1 });
                 }

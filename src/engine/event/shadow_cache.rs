@@ -248,7 +248,7 @@ impl ShadowCache {
         match self.place {
             Place::Triangle => self.leaving.push_back(id),
             Place::L2 if element.write && !sets_modes => self.pipeline.ready_to_write(id, &element, links),
-            Place::L2 => self.pipeline.fetch_past(id, &element, links),
+            Place::L2 => self.pipeline.fetch_bypass(id, &element, links),
             Place::Own | Place::Free => self.pipeline.fetch(id, &element, now, links),
         }
     }

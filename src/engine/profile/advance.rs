@@ -108,7 +108,7 @@ impl<W: Watch> Profile<W> {
                 return self.issue_queues.send(id, unit, to, now);
             }
             Place::L2 if element.write && !sets_modes => Way::Operand,
-            Place::L2 => Way::Past,
+            Place::L2 => Way::Bypass,
             Place::Own | Place::Free => Way::Cached,
         };
         ray.stage = Stage::Entry;
@@ -135,8 +135,8 @@ impl<W: Watch> Profile<W> {
         let attributed = dispatch.flights[id as usize].attributed;
         let performed = match way {
             Way::Cached => performer.perform(element, attributed, at, layout, memory),
-            Way::Past => performer.perform_past(element, attributed, at, layout, memory),
-            Way::Operand => Ok(performer.write_past(element, at, layout, memory)),
+            Way::Bypass => performer.perform_bypass(element, attributed, at, layout, memory),
+            Way::Operand => Ok(performer.write_bypass(element, at, layout, memory)),
         };
         match performed {
             Ok(end) => {

@@ -1,8 +1,8 @@
 //! The L2 and the DRAM: banks with real tags that take one access per cycle.
 
 use super::dram::Dram;
-use super::level::{Found, Level};
 use super::slots::Slots;
+use super::timed_cache::{Lookup, TimedCache};
 use super::watch::Watch;
 use crate::engine::tally::{BankTally, ChannelTally};
 use crate::machine::MachineSpec;
@@ -17,7 +17,7 @@ use crate::stats::TrafficClass;
 /// A bank of the L2.
 #[derive(Clone, Debug)]
 struct Bank {
-    level: Level,
+    level: TimedCache,
     latency: u64,
     accesses: Slots,
     /// Until when the head of the bank's queue, and all behind it, wait for an MSHR or target.
@@ -49,7 +49,7 @@ impl<W: Watch> Memory<W> {
     pub(super) fn new(machine: &MachineSpec, watch: W) -> Self {
         let line = machine.line_bytes.get();
         let bank = |spec: &BankedSpec| Bank {
-            level: Level::new(spec.bank_tags(line), spec.no_allocate, spec.mshrs.get(), spec.targets.get(), 0),
+            level: TimedCache::new(spec.bank_tags(line), spec.no_allocate, spec.mshrs.get(), spec.targets.get(), 0),
             latency: spec.latency.get(),
             accesses: Slots::new(1),
             stalled_until: 0,
@@ -104,19 +104,19 @@ impl<W: Watch> Memory<W> {
             bank.stalled_until = at;
         }
         let ready = match found {
-            Found::Hit => at,
-            Found::Coming(ready) => ready.max(at),
-            Found::Missing => {
+            Lookup::Hit => at,
+            Lookup::MshrHit(ready) => ready.max(at),
+            Lookup::Miss => {
                 let ready = dram.request(line, class, false, at) + 1;
-                bank.level.expect(line, class, access, ready);
+                bank.level.schedule_fill(line, class, access, ready);
                 ready
             }
-            Found::Passed => {
+            Lookup::WriteAround => {
                 dram.request(line, class, true, at);
                 at
             }
         };
-        Accessed { bank: index, ready, missed: found == Found::Missing }
+        Accessed { bank: index, ready, missed: found == Lookup::Miss }
     }
 
     /// Requests a line that bypasses all caches in cycle `at`; returns the cycle in which its data has passed.

@@ -2,14 +2,14 @@
 
 use std::collections::VecDeque;
 
-use super::level::{Found, Level};
 use super::memory::Memory;
+use super::timed_cache::{Lookup, TimedCache};
 use super::watch::Watch;
 use crate::engine::tally::{PerClass, UnitTally, busy};
 use crate::machine::kinds::KindSpec;
 use crate::machine::layout::{Element, Layout};
 use crate::machine::writes::WritePolicy;
-use crate::memory::cache::Past;
+use crate::memory::cache::BypassCounts;
 use crate::memory::cache::{Access, CacheSpec, Release};
 use crate::memory::tags::TagArray;
 use crate::memory::tags::Victim;
@@ -18,7 +18,7 @@ use crate::quantity::{Bytes, LineAddr};
 /// The unit.
 #[derive(Clone, Debug)]
 pub(super) struct Unit {
-    level: Level,
+    level: TimedCache,
     line: Bytes,
     /// Port cycles per access when its line comes: 1 with `Release::OneByOne`, otherwise 0.
     released_in: u64,
@@ -38,11 +38,11 @@ pub(super) struct Unit {
     pub stalled: VecDeque<u32>,
     operations: u64,
     requested: PerClass<Bytes>,
-    written_through: PerClass<Past>,
+    written_through: PerClass<BypassCounts>,
     /// Arrival cycles of reads that bypass the L1, and the maximum number of such reads under way.
     past: Vec<u64>,
     most_past: usize,
-    read_past: PerClass<Past>,
+    read_past: PerClass<BypassCounts>,
     attributed: PerClass<u64>,
 }
 
@@ -52,7 +52,7 @@ impl Unit {
         let CacheSpec { no_allocate, mshrs, targets, .. } = spec.cache;
         let released_in = u64::from(spec.cache.release == Release::OneByOne);
         Self {
-            level: Level::new(spec.cache.tags(line), no_allocate, mshrs.get(), targets.get(), released_in),
+            level: TimedCache::new(spec.cache.tags(line), no_allocate, mshrs.get(), targets.get(), released_in),
             line: Bytes(line),
             released_in,
             ports: spec.cache.accesses_per_cycle(),
@@ -110,18 +110,18 @@ impl Unit {
             let mut gone = |victim: Victim, at| memory.write(core, victim.line, victim.class, size, at);
             let (when, found) = self.level.access(line, class, access, true, at, &mut gone);
             let came = match found {
-                Found::Hit => when + self.hit_latency,
-                Found::Coming(at) => at,
-                Found::Passed => unreachable!("a ray waits for the data"),
-                Found::Missing => {
+                Lookup::Hit => when + self.hit_latency,
+                Lookup::MshrHit(at) => at,
+                Lookup::WriteAround => unreachable!("a ray waits for the data"),
+                Lookup::Miss => {
                     self.attributed[class as usize] += u64::from(attributed);
                     let comes = memory.read(core, (line, size), class, attributed, when);
-                    self.level.expect(line, class, access, comes);
+                    self.level.schedule_fill(line, class, access, comes);
                     comes
                 }
             };
             (at, data_at) = (when, data_at.max(came));
-            releases += if found == Found::Hit { 0 } else { self.released_in };
+            releases += if found == Lookup::Hit { 0 } else { self.released_in };
         }
         self.began(at, releases + lines.div_ceil(self.ports).max(self.interval));
         self.requested[class as usize] += Bytes(element.bytes);
@@ -153,7 +153,7 @@ impl Unit {
     }
 
     /// As [`Self::perform`] with data from the L2 that bypass the L1.
-    pub(super) fn perform_past<W: Watch>(
+    pub(super) fn perform_bypass<W: Watch>(
         &mut self,
         element: &Element,
         attributed: bool,
@@ -180,7 +180,7 @@ impl Unit {
     }
 
     /// An operation that writes to the L2 and needs no data; returns the cycle of its end.
-    pub(super) fn write_past<W: Watch>(
+    pub(super) fn write_bypass<W: Watch>(
         &mut self,
         element: &Element,
         at: u64,

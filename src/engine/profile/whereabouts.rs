@@ -56,7 +56,7 @@ pub(super) enum Way {
     /// Through its L1.
     Cached,
     /// From the L2, bypassing the L1.
-    Past,
+    Bypass,
     /// No read: the written data goes down with the operation.
     Operand,
 }

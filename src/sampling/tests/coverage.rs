@@ -6,7 +6,7 @@ use super::super::axis::Axis;
 use super::super::covariates::{Columns, Span};
 use super::super::estimate::{Estimates, Population, Total, Window, estimates};
 use super::super::figures::{Figure, MemoryLevel};
-use super::super::plan::TELLING;
+use super::super::plan::MIN_POINTS_TO_STOP;
 use super::*;
 use crate::machine::kinds::Kind;
 use crate::stats::{CacheCounts, Residuals, TrafficClass};
@@ -173,7 +173,7 @@ fn intervals_cover_the_truth_when_sampling_stops_at_a_target() {
                 let drawn = stream.drawn(strata, draws);
                 let points = drawn.windows.iter().map(|window| window.hits.len()).sum();
                 let found = stream.estimate(&drawn, figure);
-                if points >= TELLING && found.share() <= target {
+                if points >= MIN_POINTS_TO_STOP && found.share() <= target {
                     break Some(found);
                 }
                 let Some(next) = plan(draws).next_draws(points, found.share(), target, most) else { break None };
@@ -207,7 +207,7 @@ fn intervals_of_changes_hold_when_sampling_stops_at_a_target() {
                     let points: usize = drawn.windows.iter().map(|window| window.hits.len()).sum();
                     let [left, others_left] = [one.residuals(&drawn, figure), other.residuals(&other_drawn, figure)];
                     let half = others_left.of_ratio(&left, 0).unwrap();
-                    if points >= TELLING && half <= target {
+                    if points >= MIN_POINTS_TO_STOP && half <= target {
                         let [before, after] = [one.estimate(&drawn, figure), other.estimate(&other_drawn, figure)];
                         let ratio = after.total / before.total;
                         stopped += 1;

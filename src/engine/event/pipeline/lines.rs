@@ -102,7 +102,7 @@ impl Pipeline {
             let ray = &mut links.rays[id as usize];
             let Fetch { line, class, write, bypass, .. } = ray.fetch;
             if bypass {
-                if !self.ask_past(id, ray, now) {
+                if !self.ask_bypass(id, ray, now) {
                     self.stuck = true;
                     return true;
                 }
@@ -170,7 +170,7 @@ impl Pipeline {
         let room = self.out.len() < self.out_places;
         match self.cache.miss(line, class, access, Some(id), room) {
             Lookup::Stalled => return false,
-            Lookup::Hit | Lookup::Passed => unreachable!("the line is not there, and a ray waits for the data"),
+            Lookup::Hit | Lookup::WriteAround => unreachable!("the line is not there, and a ray waits for the data"),
             Lookup::Merged => {}
             Lookup::Miss => {
                 self.attributed[class as usize] += u64::from(attributed);
@@ -182,7 +182,7 @@ impl Pipeline {
     }
 
     /// The first ray of the fetch queue, `id`, requests its line from the L2. Returns false if it has to wait.
-    pub(super) fn ask_past(&mut self, id: RayId, ray: &mut Ray, now: u64) -> bool {
+    pub(super) fn ask_bypass(&mut self, id: RayId, ray: &mut Ray, now: u64) -> bool {
         if self.out.len() == self.out_places || self.bypassing.len() == self.most_bypassing {
             return false;
         }
@@ -226,7 +226,7 @@ impl Pipeline {
     }
 
     /// A ray begins to fetch `element` from the L2, past the L1.
-    pub(crate) fn fetch_past(&mut self, ray: RayId, element: &Element, links: &mut Links) {
+    pub(crate) fn fetch_bypass(&mut self, ray: RayId, element: &Element, links: &mut Links) {
         links.rays[ray as usize].fetch = Fetch { bypass: true, ..Fetch::of(element, &links.layout) };
         self.fetching.push_back(ray);
     }

@@ -4,7 +4,7 @@ use super::super::causes::Causes;
 use super::super::memory::Memory;
 use super::super::ray::RayId;
 use crate::machine::writes::WritePolicy;
-use crate::memory::cache::{BanksInUse, Cache, CacheSpec, Past, Release};
+use crate::memory::cache::{BanksInUse, BypassCounts, Cache, CacheSpec, Release};
 use crate::memory::ring::Ring;
 use crate::memory::tags::TagArray;
 use crate::memory::{PartId, Request};
@@ -48,7 +48,7 @@ pub(crate) struct Pipeline {
     /// Rays in the pipeline, each with its operation's end cycle; an operation entered ahead begins in a later cycle.
     pub(super) stages: Ring<(u64, RayId)>,
     pub(super) requested: [Bytes; TrafficClass::ALL.len()],
-    pub(super) written_through: [Past; TrafficClass::ALL.len()],
+    pub(super) written_through: [BypassCounts; TrafficClass::ALL.len()],
     pub(super) causes: Causes,
     /// Number of operations that began in a cycle beside its first one.
     pub(super) beside: u64,
@@ -76,7 +76,7 @@ pub(crate) struct Pipeline {
     /// Requests under way that bypass the L1, the oldest first, and their greatest number.
     pub(super) bypassing: Ring<(LineAddr, RayId)>,
     pub(super) most_bypassing: usize,
-    pub(super) bypassed: [Past; TrafficClass::ALL.len()],
+    pub(super) bypassed: [BypassCounts; TrafficClass::ALL.len()],
     /// Misses of attributed rays.
     pub(super) attributed: [u64; TrafficClass::ALL.len()],
 }
@@ -113,7 +113,7 @@ impl Pipeline {
             ready: Ring::new(),
             stages: Ring::new(),
             requested: [Bytes(0); TrafficClass::ALL.len()],
-            written_through: [Past::default(); TrafficClass::ALL.len()],
+            written_through: [BypassCounts::default(); TrafficClass::ALL.len()],
             causes: Causes::default(),
             beside: 0,
             filled: false,
@@ -130,7 +130,7 @@ impl Pipeline {
             release_at: 0,
             bypassing: Ring::new(),
             most_bypassing: cache.mshrs.size(),
-            bypassed: [Past::default(); TrafficClass::ALL.len()],
+            bypassed: [BypassCounts::default(); TrafficClass::ALL.len()],
             attributed: [0; TrafficClass::ALL.len()],
         }
     }
@@ -174,12 +174,12 @@ impl Pipeline {
     }
 
     /// Writes that went through the L1, by class.
-    pub(crate) fn written_through(&self) -> &[Past; TrafficClass::ALL.len()] {
+    pub(crate) fn written_through(&self) -> &[BypassCounts; TrafficClass::ALL.len()] {
         &self.written_through
     }
 
     /// Reads that bypassed the L1, by class.
-    pub(crate) fn bypassed(&self) -> &[Past; TrafficClass::ALL.len()] {
+    pub(crate) fn bypassed(&self) -> &[BypassCounts; TrafficClass::ALL.len()] {
         &self.bypassed
     }
 

@@ -10,7 +10,7 @@ use crate::stats::{CacheCounts, TrafficClass};
 
 /// A line on its way.
 #[derive(Clone, Copy, Debug)]
-struct Coming {
+struct PendingFill {
     line: LineAddr,
     at: u64,
     class: TrafficClass,
@@ -21,23 +21,23 @@ struct Coming {
 
 /// The result of an access.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Found {
+pub(super) enum Lookup {
     /// The line is there.
     Hit,
     /// MSHR hit: the access gets the line in this cycle.
-    Coming(u64),
-    /// Miss: the caller says with [`Level::expect`] when the line comes.
-    Missing,
+    MshrHit(u64),
+    /// Miss: the caller says with [`TimedCache::schedule_fill`] when the line comes.
+    Miss,
     /// A write that does not allocate its line: the caller sends it down.
-    Passed,
+    WriteAround,
 }
 
 /// The cache.
 #[derive(Clone, Debug)]
-pub(super) struct Level {
+pub(super) struct TimedCache {
     tags: TagArray,
     no_allocate: NoAllocate,
-    coming: Vec<Coming>,
+    coming: Vec<PendingFill>,
     /// The earliest arrival in `coming`.
     next_at: u64,
     registers: usize,
@@ -47,7 +47,7 @@ pub(super) struct Level {
     counts: PerClass<CacheCounts>,
 }
 
-impl Level {
+impl TimedCache {
     /// An empty cache with `registers` MSHRs of `targets` targets each. The waiting accesses get a line that has come
     /// `apart` cycles after each other.
     pub(super) fn new(tags: TagArray, no_allocate: NoAllocate, registers: u64, targets: u64, apart: u64) -> Self {
@@ -75,10 +75,10 @@ impl Level {
         waits: bool,
         at: u64,
         gone: &mut impl FnMut(Victim, u64),
-    ) -> (u64, Found) {
+    ) -> (u64, Lookup) {
         self.arrive(at, gone);
         if self.hit(line, class, access) {
-            return (at, Found::Hit);
+            return (at, Lookup::Hit);
         }
         self.counts[class as usize].accesses += 1;
         self.miss(line, class, access, waits, at, gone)
@@ -106,7 +106,7 @@ impl Level {
         waits: bool,
         mut at: u64,
         gone: &mut impl FnMut(Victim, u64),
-    ) -> (u64, Found) {
+    ) -> (u64, Lookup) {
         let (counts, fill) = (class as usize, self.fill(class, access));
         loop {
             if let Some(coming) = self.coming.iter_mut().find(|coming| coming.line == line) {
@@ -116,22 +116,22 @@ impl Level {
                     coming.fill.dirty |= fill.dirty;
                     coming.fill.keep |= fill.keep;
                     self.counts[counts].mshr_hits += 1;
-                    return (at, Found::Coming(comes));
+                    return (at, Lookup::MshrHit(comes));
                 }
                 at = coming.at;
             } else if !waits && !fill.keep {
                 self.counts[counts].passed_writes += 1;
-                return (at, Found::Passed);
+                return (at, Lookup::WriteAround);
             } else if self.coming.len() < self.registers {
                 self.counts[counts].misses += 1;
-                return (at, Found::Missing);
+                return (at, Lookup::Miss);
             } else {
                 at = self.next_at;
             }
             self.arrive(at, gone);
             if self.tags.access(line, fill.dirty) {
                 self.counts[counts].hits += 1;
-                return (at, Found::Hit);
+                return (at, Lookup::Hit);
             }
         }
     }
@@ -146,9 +146,9 @@ impl Level {
     }
 
     /// The line just missed comes in cycle `at`.
-    pub(super) fn expect(&mut self, line: LineAddr, class: TrafficClass, access: Access, at: u64) {
+    pub(super) fn schedule_fill(&mut self, line: LineAddr, class: TrafficClass, access: Access, at: u64) {
         let fill = self.fill(class, access);
-        self.coming.push(Coming { line, at, class, fill, targets: 1 });
+        self.coming.push(PendingFill { line, at, class, fill, targets: 1 });
         self.next_at = self.next_at.min(at);
     }
 
@@ -174,7 +174,7 @@ impl Level {
     fn put_in(&mut self, at: u64, gone: &mut impl FnMut(Victim, u64)) {
         while self.next_at <= at && self.next_at < u64::MAX {
             let first = self.coming.iter().position(|coming| coming.at == self.next_at).expect("one comes first");
-            let Coming { line, at: came, class, fill, .. } = self.coming.remove(first);
+            let PendingFill { line, at: came, class, fill, .. } = self.coming.remove(first);
             self.next_at = self.coming.iter().map(|coming| coming.at).min().unwrap_or(u64::MAX);
             let victim = if fill.keep {
                 self.tags.fill(line, class, fill.dirty)

@@ -30,7 +30,7 @@ enum Phase {
     Finished,
 }
 
-pub(super) struct Host {
+pub(super) struct Dispatcher {
     spec: DispatcherSpec,
     pool: usize,
     cores: usize,
@@ -56,7 +56,7 @@ pub(super) struct HostCycle {
     pub frame_began: bool,
 }
 
-impl Host {
+impl Dispatcher {
     pub(super) fn new(machine: &MachineSpec) -> Self {
         let units = machine.cores.size() * machine.traversal.count.size();
         Self {
