@@ -1,5 +1,5 @@
-//! The cycle engine: every part acts in every cycle, strictly by the rules of docs/model. It is slow. It is the reference for the
-//! event-driven engine: both share specs, memory layout and tag arrays, but no scheduling and no units.
+//! The cycle engine: every part acts in every cycle, strictly by the rules of docs/model. It is slow, and the reference
+//! for the event-driven engine. Both share specs, memory layout and tag arrays, but no scheduling and no units.
 //!
 //! A cycle has two phases: all parts act on the state at the beginning of the cycle; then all links settle.
 
