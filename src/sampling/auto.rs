@@ -15,8 +15,8 @@ use crate::stream::Header;
 /// 18 % on kitchen, living room and gas station, 21 % on staircase).
 const TAGS: f64 = 0.18;
 /// Points of the first sample, as a share of the expected number. At least [`MIN_POINTS_TO_STOP`] points are always
-/// needed, so they are measured on the first pass: no job is kept for them (jobs of a large L2 hold half a megabyte each). The
-/// jobs of later points are kept, up to 32 times as many.
+/// needed, so they are measured on the first pass: no job is kept for them (jobs of a large L2 hold half a megabyte
+/// each). The jobs of later points are kept, up to 32 times as many.
 const FIRST_SHARE: f64 = 0.2;
 /// Points that 2 % intervals usually need (kitchen: 24 to 48), with a reserve. A sample is tried only where this
 /// number, and at least [`MIN_POINTS_TO_STOP`], would pay: an abandoned sample costs more than a good one saves.

@@ -150,9 +150,9 @@ impl Plan {
     ///
     /// Intervals shrink with the root of the number of points. A quarter is added, since the width itself is an
     /// estimate. For the same reason the number at most doubles: a first width may be far too large. With fewer points
-    /// than [`MIN_POINTS_TO_STOP`], the goal is [`MIN_POINTS_TO_STOP`]. Widths of few points shrink faster: to half with twice as many, where
-    /// the root says 0.7 (staircase, `Published`, `small`: 4.5 % of L2 bytes with 48 windows, 2.2 % with 94). So with
-    /// fewer than twice [`MIN_POINTS_TO_STOP`] points, a need of twice `most` is accepted.
+    /// than [`MIN_POINTS_TO_STOP`], the goal is [`MIN_POINTS_TO_STOP`]. Widths of few points shrink faster: to half
+    /// with twice as many, where the root says 0.7 (staircase, `Published`, `small`: 4.5 % of L2 bytes with 48 windows,
+    /// 2.2 % with 94). So with fewer than twice [`MIN_POINTS_TO_STOP`] points, a need of twice `most` is accepted.
     pub(crate) fn next_draws(&self, points: usize, share: f64, target: f64, most: usize) -> Option<usize> {
         let (now, twice) = (self.draws.end, 2 * self.draws.end);
         let needed = |share: f64| (1.25 * now as f64 * (share / target).powi(2)).ceil() as usize;

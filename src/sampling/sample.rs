@@ -14,8 +14,9 @@ use crate::stats::{Accuracy, MachineStats};
 use crate::stream::Header;
 
 /// Maximum points for each window of a stream. Where a target error needs half of the windows or more, everything is
-/// replayed. A stream is not sampled if [`MIN_POINTS`] windows are more than half of it: one unmeasured window may differ
-/// from all others. With a target error, it is not sampled if [`MIN_POINTS_TO_STOP`] windows are more than half of it.
+/// replayed. A stream is not sampled if [`MIN_POINTS`] windows are more than half of it: one unmeasured window may
+/// differ from all others. With a target error, it is not sampled if [`MIN_POINTS_TO_STOP`] windows are more than half
+/// of it.
 const MOST: f64 = 0.5;
 
 /// A sample's figures with the errors that it can claim. Windows of a level that is not exact tell how far the figures
