@@ -330,7 +330,7 @@ fn inspect_tells_what_the_tracer_counted() {
 fn validate_prints_numbers_and_can_write_a_report() {
     let desk = Desk::with_experiment();
     let text = desk.succeed(&["validate", "tiny.ron"]);
-    for word in ["Off", "Published", "numeric", "wrong shadow decisions: 0 of 704"] {
+    for word in ["Off", "Published", "numeric", "wrong shadow decisions in all frames: 0 of 704"] {
         assert!(text.contains(word), "`{word}` is not in:\n{text}");
     }
     assert!(!desk.path("report").exists() && !desk.path("reports").exists());

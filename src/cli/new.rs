@@ -10,7 +10,7 @@ use super::outcome::Outcome;
 use super::print::print;
 use super::text_file::write_new;
 use crate::experiment::{check_name, scene_around};
-use crate::fields::Root;
+use crate::fields::{Root, kind_of};
 use crate::ron_file;
 use crate::shipped;
 
@@ -96,7 +96,11 @@ impl New {
             check_name(name).map_err(anyhow::Error::msg).with_context(|| format!("{}", self.file.display()))?;
         }
         let source = from.file_stem().unwrap_or_default().to_string_lossy();
-        let text = renamed(&standing(&ron_file::text(&from)?, &from)?, name)?;
+        let text = ron_file::text(&from)?;
+        if let Some(found) = kind_of(&text).filter(|&found| found != kind) {
+            bail!("`{source}` is of the kind {}: `new {}` cannot start from it", found.name(), kind.name());
+        }
+        let text = renamed(&standing(&text, &from)?, name)?;
         Ok((format!("that started as `{source}`"), text))
     }
 

@@ -125,6 +125,17 @@ pub(crate) fn pareto(
     truth: Option<Fidelity>,
     stop: &AtomicBool,
 ) -> Result<(ParetoSummary, Vec<Timing>), SweepError> {
+    compare(path, truth, stop).map_err(|error| match error {
+        SweepError::Stopped => SweepError::Dropped,
+        error => error,
+    })
+}
+
+fn compare(
+    path: &Path,
+    truth: Option<Fidelity>,
+    stop: &AtomicBool,
+) -> Result<(ParetoSummary, Vec<Timing>), SweepError> {
     let comparison = Comparison::load(path, truth)?;
     let bar = progress::bar("replaying", comparison.replays(), "replays");
     let scenes: Vec<String> = comparison.scenes().collect();

@@ -137,7 +137,7 @@ impl<R: Read + Seek> Blocks<R> {
         let mut footer = [0; FOOTER_BYTES];
         self.fill(&mut footer)?;
         if footer[12..] != END_MAGIC {
-            return Err(self.cut_off(missing));
+            return Err(self.cut_off("its end is not that of a stream: a part was lost, or something was appended"));
         }
         if checksum(self.seed, &[&footer[..8]]) != u32::from_le_bytes(field(&footer, 8)) {
             return Err(self.corrupt(Place::Footer, Fault::Checksum));

@@ -98,7 +98,7 @@ fn a_run_tells_its_finding_in_80_columns() {
     assert!(fits(&told, 80), "{told}");
     let lines: Vec<&str> = told.lines().collect();
     assert_eq!(lines.last(), Some(&"report: a/index.html"), "{told}");
-    for part in ["ms/frame", "DRAM MB/frame", ": a frame takes ", "wrong shadow decisions: "] {
+    for part in ["ms/frame", "DRAM MB/frame", ": a frame takes ", "wrong shadow decisions in all frames: "] {
         assert!(told.contains(part), "{part}: {told}");
     }
     assert!(!told.contains("\u{b1} time"), "all runs are exact: {told}");

@@ -70,4 +70,7 @@ pub enum SweepError {
     /// Stopped: points that are done are kept.
     #[error("stopped; the points done are kept, and the same command goes on with the others")]
     Stopped,
+    /// Stopped, by a command that keeps nothing.
+    #[error("stopped; nothing was kept")]
+    Dropped,
 }

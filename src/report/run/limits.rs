@@ -44,7 +44,7 @@ fn share(run: &MachineRun, unit: &str, cause: Cause) -> f64 {
     causes.get(&cause).map_or(0.0, |&cycles| cycles as f64 / whole.max(1) as f64)
 }
 
-/// The limit of a run; `None` without cycles by unit and cause.
+/// The limit of a run; `None` where it is not known.
 pub(super) fn limit(run: &MachineRun) -> Option<Limit> {
     let (unit, busy) = busiest(run)?;
     let intake = run.stats.units.keys().map(|unit| (unit.as_str(), share(run, unit, Cause::Intake)));
@@ -76,7 +76,8 @@ pub(super) fn limit(run: &MachineRun) -> Option<Limit> {
     let (name, busy_text) = (words(unit), percent(busy));
     let lost = Cause::ALL.into_iter().filter(|&cause| cause != Cause::Busy);
     let lost = lost.map(|cause| (cause, share(run, unit, cause))).max_by(|a, b| a.1.total_cmp(&b.1));
-    let (cause, lost) = lost?;
+    // Levels that know no causes count busy cycles alone.
+    let (cause, lost) = lost.filter(|&(_, lost)| lost > 0.0)?;
     let (short, why) = match cause {
         Cause::Memory => ("wait for memory", "wait for data"),
         Cause::Blocked => ("are blocked by their neighbours", "hold results that a neighbour cannot take"),

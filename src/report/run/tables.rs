@@ -203,11 +203,11 @@ fn trust(model: &str, stats: &MachineStats) -> String {
         lines.push(paragraph(&line));
     }
     if let Some(Limit { cycles, dram_bytes }) = stats.oracle {
-        lines.push(format!(
+        lines.push(paragraph(&format!(
             "If all shadow rays' answers were known: {} cycles, {} of DRAM traffic at least",
             exact(cycles.0),
             bytes(dram_bytes)
-        ));
+        )));
     }
     lines.join("\n")
 }

@@ -101,9 +101,15 @@ pub(crate) fn verdict(summary: &Summary) -> Option<String> {
     let culling = || summary.policies.iter().filter(|(name, _)| summary.baseline.as_deref() != Some(*name));
     let speed = culling().filter_map(|(policy, _)| {
         let told = summary.machines.iter().filter_map(|(name, machine)| {
-            let off = machine.policies.get(summary.baseline.as_deref()?)?.milliseconds_per_frame?;
-            let with = machine.policies.get(policy)?.milliseconds_per_frame?;
-            Some(format!("{} on {name}", time(off, with)?))
+            let [off, with] = [summary.baseline.as_deref()?, policy].map(|name| machine.policies.get(name));
+            let (off, with) = (off?, with?);
+            let change = time(off.milliseconds_per_frame?, with.milliseconds_per_frame?)?;
+            match with.stats.accuracy {
+                // The difference of two bounds bounds nothing.
+                Accuracy::Bounded => None,
+                Accuracy::Unknown => Some(format!("{change} on {name} by {}, error unknown", machine.fidelity)),
+                Accuracy::Exact | Accuracy::Estimated { .. } => Some(format!("{change} on {name}")),
+            }
         });
         let told: Vec<String> = told.collect();
         (!told.is_empty()).then(|| format!("{policy}: a frame takes {}", told.join(", ")))
@@ -115,7 +121,7 @@ pub(crate) fn verdict(summary: &Summary) -> Option<String> {
         Some(if culling().count() == 1 { told } else { format!("{policy} {told}") })
     });
     let wrong: Vec<String> = wrong.collect();
-    let wrong = (!wrong.is_empty()).then(|| format!("wrong shadow decisions: {}", wrong.join(", ")));
+    let wrong = (!wrong.is_empty()).then(|| format!("wrong shadow decisions in all frames: {}", wrong.join(", ")));
     let lines: Vec<String> = speed.chain(wrong).collect();
     (!lines.is_empty()).then(|| lines.join("\n"))
 }

@@ -56,7 +56,7 @@ fn figure(summary: &SpaceSummary) -> Option<Figure<'_>> {
     let labels = names.len() as i32 * LINE;
     Some(Figure {
         title: format!(
-            "{} are unbeaten; the fastest is {} under {}",
+            "{} are unbeaten; {} under {} takes the fewest cycles",
             counted(front.len(), "design"),
             label(&fastest.changes),
             fastest.policy

@@ -162,7 +162,7 @@ fn finding(field: &Field<'_>, curves: &[Curve<'_>]) -> String {
     let differ = all.iter().filter(|(_, ends)| ends.ratio() > 1.0 + ends.within.max(LEAST_DIFFERENCE));
     match differ.max_by(|(_, one), (_, other)| one.ratio().total_cmp(&other.ratio())) {
         Some((curve, ends @ Ends { best, worst, cycles: [least, most], .. })) => format!(
-            "{}: {} is fastest on {}, {} cycles against {}",
+            "{}: {} takes the fewest cycles on {}, {} against {}",
             field.path,
             shown(*best),
             curve.name,
@@ -246,7 +246,7 @@ mod tests {
     #[test]
     fn a_difference_within_its_interval_is_none() {
         let faster = |by: &str| {
-            format!("shadow_cache.place: Own is fastest on small, published, \u{2212}{by} cycles against L2")
+            format!("shadow_cache.place: Own takes the fewest cycles on small, published, \u{2212}{by} against L2")
         };
         assert_eq!(told(1.01, None), faster("1.0 %"));
         assert_eq!(told(1.01, Some(0.009)), faster("1.0 \u{b1} 0.9 %"));

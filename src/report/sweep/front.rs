@@ -100,15 +100,14 @@ impl<'s> Front<'s> {
     /// `None` without points.
     fn title(&self) -> Option<String> {
         let cycles = |point: &SweepPoint| place(point)[0];
-        let (_, fastest) =
-            self.points.iter().min_by(|a, b| cycles(a.1).share.total_cmp(&cycles(b.1).share)).copied()?;
+        let (_, best) = self.points.iter().min_by(|a, b| cycles(a.1).share.total_cmp(&cycles(b.1).share)).copied()?;
         Some(format!(
-            "{} of {} are unbeaten; the fastest is {} on {} ({})",
+            "{} of {} are unbeaten; culling saves the most cycles with {} on {} ({})",
             self.best.iter().filter(|best| **best).count(),
             counted(self.points.len(), "point"),
-            fastest.label(),
-            fastest.machine,
-            change_within(1.0, 1.0 + cycles(fastest).share, cycles(fastest).half_width)
+            best.label(),
+            best.machine,
+            change_within(1.0, 1.0 + cycles(best).share, cycles(best).half_width)
         ))
     }
 

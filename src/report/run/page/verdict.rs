@@ -7,6 +7,7 @@ use crate::report::format::{bytes, change, exact, joules, milliseconds, or_absen
 use crate::report::run::limits::{Limit, limit};
 use crate::report::run::machine_run::MachineRun;
 use crate::report::run::summary::{MachineSummary, PolicySummary, Summary};
+use crate::stats::Accuracy;
 
 /// A smaller change of time counts as none.
 const SAME: f64 = 0.02;
@@ -17,6 +18,8 @@ struct Best<'a> {
     policy: &'a str,
     /// Time with culling over time without, minus 1.
     change: f64,
+    /// The fidelity level, if it is not known how far off it is.
+    uncertain: Option<&'a str>,
     limit: Option<Limit>,
 }
 
@@ -32,8 +35,14 @@ fn fastest<'a>(summary: &Summary, machine: &'a MachineSummary) -> Option<(&'a st
 
 fn best<'a>(summary: &'a Summary, name: &'a str, machine: &'a MachineSummary) -> Option<Best<'a>> {
     let (policy, run) = fastest(summary, machine)?;
+    // The difference of two bounds bounds nothing.
+    if run.stats.accuracy == Accuracy::Bounded {
+        return None;
+    }
     let before = without(summary, machine)?.milliseconds_per_frame.filter(|&before| before > 0.0)?;
-    Some(Best { machine: name, policy, change: run.milliseconds_per_frame? / before - 1.0, limit: limit(run) })
+    let uncertain = (run.stats.accuracy == Accuracy::Unknown).then_some(machine.fidelity.as_str());
+    let change = run.milliseconds_per_frame? / before - 1.0;
+    Some(Best { machine: name, policy, change, uncertain, limit: limit(run) })
 }
 
 /// The finding of the run, in one sentence.
@@ -57,6 +66,8 @@ pub(super) fn finding(summary: &Summary) -> String {
 /// `42.2 % less time on small`.
 fn clause(best: &Best<'_>, one: bool) -> String {
     let who = if one { String::new() } else { format!(" ({})", best.policy) };
+    let by = best.uncertain.map_or_else(String::new, |level| format!(" by {level}, error unknown"));
+    let who = who + &by;
     let amount = percent(best.change.abs());
     let text = match best.change {
         change if change.abs() < SAME => format!("as long as before on {}{who}", best.machine),
@@ -74,7 +85,7 @@ fn price(policy: &PolicySummary) -> String {
     match policy.counts.wrong() {
         None => String::new(),
         Some(0) => "; no shadow is wrong".into(),
-        Some(wrong) => format!("; {} of the shadow answers are wrong", share(wrong)),
+        Some(wrong) => format!("; {} of all frames' shadow answers are wrong", share(wrong)),
     }
 }
 
