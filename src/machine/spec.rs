@@ -292,7 +292,7 @@ mod tests {
             ("(traversal: (cache: (no_allocate: (reads: [nodes]))))", "nodes"),
             ("(dram: (model: Flat(bytes_per_cycle: 8)))", "Unexpected missing field named `latency`"),
             ("(list: (interval: 3))", "`list.interval` is 3: up to `list.latency`, which is 2, is allowed"),
-            ("(dram: (channels: 2))", "`dram.mapping` has 0 bit(s) of `Channel`: 1 are needed"),
+            ("(dram: (channels: 2))", "`dram.mapping` has 0 bit(s) of `Channel`: it needs 1"),
             ("(dram: (mapping: [Row, Column(4)]))", "`Row` before its end"),
             ("(dram: (mapping: [Column(5), Bank(3)]))", "does not end with `Row`"),
             ("(dram: (part: (name: \"x\")))", "Unexpected missing field named `clock_mhz`"),

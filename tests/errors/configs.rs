@@ -168,7 +168,7 @@ fn a_value_out_of_range() {
 fn sizes_that_do_not_fit_together() {
     insta::assert_snapshot!(on_machine("bytes: 16384, ways: 4", "bytes: 16384, ways: 3"), @"error: small.ron: `intersection.cache.bytes` is 16384: with lines of 64 B, 3 ways and 1 bank(s), 192 times a power of two is allowed");
     insta::assert_snapshot!(on_dram("row_bytes: 2048", "row_bytes: 32"), @"error: small.ron: the DRAM part LPDDR4-3200: `row_bytes` is 32: at least the line size, 64, is allowed");
-    insta::assert_snapshot!(on_machine("mapping: [Column(1), Bank(3)", "mapping: [Column(1), Bank(2)"), @"error: small.ron: `dram.mapping` has 2 bit(s) of `Bank`: 3 is allowed, for 8 banks a group");
+    insta::assert_snapshot!(on_machine("mapping: [Column(1), Bank(3)", "mapping: [Column(1), Bank(2)"), @"error: small.ron: `dram.mapping` has 2 bit(s) of `Bank`: it needs 3, for 8 banks a group");
 }
 
 #[test]

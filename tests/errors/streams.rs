@@ -24,7 +24,7 @@ fn refused(desk: &Desk, bytes: &[u8]) -> String {
 fn a_truncated_stream() {
     let desk = desk();
     let good = fs::read(desk.path("good.rays")).unwrap();
-    insta::assert_snapshot!(refused(&desk, &good[..good.len() / 2]), @"error: bad.rays is cut off: its end is missing, so that it was not completed or a part was lost");
+    insta::assert_snapshot!(refused(&desk, &good[..good.len() / 2]), @"error: bad.rays is cut off: its end is not that of a stream: a part was lost, or something was appended");
     insta::assert_snapshot!(refused(&desk, &good[..5]), @"error: bad.rays is cut off: its header is not whole");
     insta::assert_snapshot!(refused(&desk, &[]), @"error: bad.rays is no ray stream: it is empty");
     for part in 1..12 {

@@ -81,7 +81,7 @@ impl Mapping {
             let right = count.trailing_zeros();
             if bits != right {
                 return Err(format!(
-                    "`dram.mapping` has {bits} bit(s) of `{name}`: {right} are needed, for {count} {what}"
+                    "`dram.mapping` has {bits} bit(s) of `{name}`: it needs {right}, for {count} {what}"
                 ));
             }
         }
