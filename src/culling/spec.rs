@@ -4,11 +4,12 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::facts::SceneFacts;
-use super::policy::Policy;
+use super::policy::{Needs, Policy};
 use super::{
     certificates, certified, hash_predictor, hybrid, last_occluder, occluder_grid, off, oracle, published, sato,
     symmetric,
 };
+use crate::scene::Lamps;
 
 /// A culling policy as a config names it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -55,6 +56,11 @@ impl PolicySpec {
             Self::Hybrid(spec) => Box::new(hybrid::Hybrid::new(*spec, facts)),
             Self::Oracle => Box::new(oracle::Oracle),
         }
+    }
+
+    /// What it needs of the tracer, whatever the scene.
+    pub fn needs(&self) -> Needs {
+        self.build(SceneFacts { statics: 0, primitives: 0, lights: 0, lamps: Lamps::points() }).needs()
     }
 
     /// Entries of its largest store. It is known before the policy is built, which takes memory for all entries.
@@ -104,7 +110,6 @@ impl PolicySpec {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Lamps;
 
     fn facts(primitives: u32, lights: u32) -> SceneFacts {
         SceneFacts { statics: primitives, primitives, lights, lamps: Lamps::points() }
@@ -116,6 +121,7 @@ mod tests {
             let stores = policy.build(facts(100, 3)).stores();
             let largest = stores.mode_words.max(stores.pixel_counters).max(stores.occluder_ids);
             assert_eq!(policy.largest_store(facts(100, 3)), u64::from(largest), "{name}");
+            assert_eq!(policy.needs(), policy.build(facts(100, 3)).needs(), "{name}");
         }
     }
 

@@ -220,7 +220,7 @@ impl Experiment {
             frames: self.frames.len(),
             policies: self.spec.policies.len(),
             entries: policies.map(|policy| policy.largest_store(facts)).sum(),
-            is_live: self.policies().iter().any(|policy| policy.needs().live),
+            is_live: self.spec.policies.iter().any(|(_, policy)| policy.needs().live),
             lights: self.scene.light_count,
             triangles: self.scene.primitive_count(),
             machines: self.machines.iter().map(|(_, machine)| machine.footprint()).collect(),

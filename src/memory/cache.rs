@@ -143,6 +143,13 @@ pub enum Access {
     WriteThrough,
 }
 
+impl Access {
+    /// What it asks of the fill of a line of `class`, in a cache that does not allocate all.
+    pub(crate) fn fill(self, class: TrafficClass, no_allocate: &NoAllocate) -> FillPolicy {
+        FillPolicy { dirty: self == Self::Write, keep: no_allocate.keeps(class, self != Self::Read) }
+    }
+}
+
 /// The result of an access.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lookup {
@@ -236,8 +243,7 @@ impl Cache {
         waiting: Option<u32>,
         room: bool,
     ) -> Lookup {
-        let fill =
-            FillPolicy { dirty: access == Access::Write, keep: self.no_allocate.keeps(class, access != Access::Read) };
+        let fill = access.fill(class, &self.no_allocate);
         let counts = &mut self.counts[class as usize];
         if let Some(register) = self.mshrs.find(line) {
             if !self.mshrs.merge(register, fill, waiting) {

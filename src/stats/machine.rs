@@ -196,3 +196,17 @@ impl MachineStats {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_may_meet_any_cache_of_a_split_l2_first() {
+        let caches = ["l1_traversal", "l2_scene", "l2_words", "l1_shadow_cache"];
+        let caches = caches.map(|name| (name.to_owned(), BTreeMap::new()));
+        let stats = MachineStats { caches: caches.into(), ..MachineStats::default() };
+        let first: Vec<&str> = stats.first_caches().collect();
+        assert_eq!(first, ["l1_shadow_cache", "l1_intersection", "l2_scene", "l2_words"]);
+    }
+}

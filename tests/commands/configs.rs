@@ -56,6 +56,8 @@ fn a_new_file_has_a_name_that_it_can_be_used_by() {
     assert!(told.contains("small: the file's name needs the ending .ron; a file without one would"), "{told}");
     let told = desk.refuses(&["new", "experiment", "my run.ron"]);
     assert!(told.contains("my run.ron: the name `my run`: 1 to 64 letters, digits, `-` and `_` are allowed"), "{told}");
+    let told = desk.refuses(&["new", "experiment", "run.ron", "--from", "pareto"]);
+    assert!(told.contains("`pareto` is of the kind pareto: `new experiment` cannot start from it"), "{told}");
     assert!(desk.contents().is_empty(), "nothing is written");
 }
 

@@ -239,7 +239,7 @@ impl ShadowCache {
             Place::Own | Place::Free => self.unit.fetch(id, element, &wires.layout),
             Place::Triangle => self.leaving.push_back(id),
             Place::L2 if step.writes() && wires.ray(id).setting == 0 => self.unit.ready_with(id, element),
-            Place::L2 => self.unit.fetch_past_l1(id, element, &wires.layout),
+            Place::L2 => self.unit.fetch_bypass(id, element, &wires.layout),
         }
     }
 

@@ -94,7 +94,7 @@ impl Unit {
     }
 
     /// A ray begins to fetch `element` from the L2, bypassing the L1.
-    pub(super) fn fetch_past_l1(&mut self, id: Id, element: Element, layout: &Layout) {
+    pub(super) fn fetch_bypass(&mut self, id: Id, element: Element, layout: &Layout) {
         self.fetch(id, element, layout);
         self.fetches.entry(id).and_modify(|fetch| fetch.bypass_l1 = true);
     }

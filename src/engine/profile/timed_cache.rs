@@ -107,7 +107,7 @@ impl TimedCache {
         mut at: u64,
         gone: &mut impl FnMut(Victim, u64),
     ) -> (u64, Lookup) {
-        let (counts, fill) = (class as usize, self.fill(class, access));
+        let (counts, fill) = (class as usize, access.fill(class, &self.no_allocate));
         loop {
             if let Some(coming) = self.coming.iter_mut().find(|coming| coming.line == line) {
                 if coming.targets < self.targets {
@@ -147,13 +147,9 @@ impl TimedCache {
 
     /// The line just missed comes in cycle `at`.
     pub(super) fn schedule_fill(&mut self, line: LineAddr, class: TrafficClass, access: Access, at: u64) {
-        let fill = self.fill(class, access);
+        let fill = access.fill(class, &self.no_allocate);
         self.coming.push(PendingFill { line, at, class, fill, targets: 1 });
         self.next_at = self.next_at.min(at);
-    }
-
-    fn fill(&self, class: TrafficClass, access: Access) -> FillPolicy {
-        FillPolicy { dirty: access == Access::Write, keep: self.no_allocate.keeps(class, access != Access::Read) }
     }
 
     /// Whether a line that comes up to cycle `at` is not filled yet.

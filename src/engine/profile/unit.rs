@@ -40,9 +40,9 @@ pub(super) struct Unit {
     requested: PerClass<Bytes>,
     written_through: PerClass<BypassCounts>,
     /// Arrival cycles of reads that bypass the L1, and the maximum number of such reads under way.
-    past: Vec<u64>,
-    most_past: usize,
-    read_past: PerClass<BypassCounts>,
+    bypassing: Vec<u64>,
+    most_bypassing: usize,
+    bypassed: PerClass<BypassCounts>,
     attributed: PerClass<u64>,
 }
 
@@ -70,9 +70,9 @@ impl Unit {
             operations: 0,
             requested: PerClass::default(),
             written_through: PerClass::default(),
-            past: Vec::new(),
-            most_past: mshrs.size(),
-            read_past: PerClass::default(),
+            bypassing: Vec::new(),
+            most_bypassing: mshrs.size(),
+            bypassed: PerClass::default(),
             attributed: PerClass::default(),
         }
     }
@@ -162,15 +162,15 @@ impl Unit {
         memory: &mut Memory<W>,
     ) -> Result<u64, u64> {
         let at = at.max(self.free_at);
-        self.past.retain(|&comes| comes > at);
-        let soonest = self.past.iter().min().copied();
-        if let Some(until) = soonest.filter(|_| self.past.len() == self.most_past) {
+        self.bypassing.retain(|&comes| comes > at);
+        let soonest = self.bypassing.iter().min().copied();
+        if let Some(until) = soonest.filter(|_| self.bypassing.len() == self.most_bypassing) {
             return Err(until);
         }
         let ((line, _), class, bytes) = (layout.lines(element), element.class, Bytes(element.bytes));
         let comes = memory.read(self.core, (line, bytes), class, attributed, at);
-        self.past.push(comes);
-        self.read_past[class as usize].add(bytes);
+        self.bypassing.push(comes);
+        self.bypassed[class as usize].add(bytes);
         self.began(at, self.interval);
         if element.write {
             self.written_through[class as usize].add(bytes);
@@ -248,7 +248,7 @@ impl Unit {
             l1: Default::default(),
             requested: self.requested,
             written_through: self.written_through,
-            bypassed: self.read_past,
+            bypassed: self.bypassed,
             attributed: self.attributed,
         }
     }

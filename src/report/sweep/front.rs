@@ -102,7 +102,7 @@ impl<'s> Front<'s> {
         let cycles = |point: &SweepPoint| place(point)[0];
         let (_, best) = self.points.iter().min_by(|a, b| cycles(a.1).share.total_cmp(&cycles(b.1).share)).copied()?;
         Some(format!(
-            "{} of {} are unbeaten; culling saves the most cycles with {} on {} ({})",
+            "{} of {} are unbeaten; the best change of cycles by culling has {} on {} ({})",
             self.best.iter().filter(|best| **best).count(),
             counted(self.points.len(), "point"),
             best.label(),

@@ -92,6 +92,34 @@ fn no_run_is_silent_about_its_error() {
     assert_eq!(all, ["exact", "\u{b1} 1.0, 3.1 %", "within bounds", "unknown"]);
 }
 
+/// The difference of two bounds bounds nothing, and a level whose error is not known is named.
+#[test]
+fn a_verdict_claims_what_its_level_knows() {
+    let verdicts = |accuracy: Accuracy| {
+        let mut summary = sample(&[0, 16]).summary;
+        let told =
+            |run: &MachineRun| MachineRun { stats: MachineStats { accuracy, ..run.stats.clone() }, ..run.clone() };
+        let of_machine = |machine: &MachineSummary| MachineSummary {
+            fidelity: "Profile".into(),
+            policies: machine.policies.iter().map(|(name, run)| (name, told(run))).collect(),
+            ..machine.clone()
+        };
+        summary.machines = summary.machines.iter().map(|(name, machine)| (name, of_machine(machine))).collect();
+        let page = page::page(&summary, "", &[], &[]).unwrap();
+        let (_, finding) = page.split_once("<p class=\"finding\">").unwrap();
+        [verdict(&summary).unwrap(), finding.split("</p>").next().unwrap().to_owned()]
+    };
+    for text in verdicts(Accuracy::Exact) {
+        assert!(text.contains("less time on small") && !text.contains("error unknown"), "{text}");
+    }
+    for text in verdicts(Accuracy::Unknown) {
+        assert!(text.contains("less time on small by Profile, error unknown"), "{text}");
+    }
+    for text in verdicts(Accuracy::Bounded) {
+        assert!(!text.contains("time on"), "{text}");
+    }
+}
+
 #[test]
 fn the_names_in_the_summary_stay() {
     let (_dir, target) = place();
