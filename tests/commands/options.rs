@@ -163,3 +163,18 @@ fn useless_runs_are_warned_of() {
     desk.put_changed("small.ron", &super::common::machine(), "l2: Unified(", "// Unified(");
     insta::assert_snapshot!(warned(&[]), @"warning: small.ron has no `l2`: one cache of 128 KiB for all classes stands for it");
 }
+
+/// Whatever the levels are called: bounds tell no change, and a level without a known error is named beside its change.
+#[test]
+fn a_run_claims_what_its_level_knows() {
+    let desk = Desk::with_experiment();
+    let run = |fidelity: &str| {
+        let setting = format!("fidelity={fidelity}");
+        desk.prints(&["run", "tiny.ron", "--frames", "0..2", "--set", &setting, "--out", "r"])
+    };
+    let claims = ["Event", "Profile", "Bound"].map(|level| {
+        let printed = run(level).replace('\n', " ");
+        (printed.contains(": a frame takes "), printed.contains("error unknown"))
+    });
+    assert_eq!(claims, [(true, false), (true, true), (false, false)]);
+}

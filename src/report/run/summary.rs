@@ -14,7 +14,7 @@ use super::pictures::PictureInfo;
 use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::report::split::Split;
-use crate::stats::FrameReuse;
+use crate::stats::{Accuracy, FrameReuse};
 use crate::stream::Totals;
 
 /// The version of the names and their meanings.
@@ -327,6 +327,20 @@ fn saved(with: u64, without: u64) -> Option<f64> {
     share(with, without).map(|share| 1.0 - share)
 }
 
+/// What a change of times between two runs of a machine can claim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Claim<'a> {
+    /// It is exact, or has an interval.
+    Known,
+    /// It comes from this level, and nothing says how far off it is.
+    By(&'a str),
+    /// Nothing: the difference of two bounds bounds nothing.
+    Nothing,
+}
+
+/// The level whose cycles are the least that any machine takes.
+const LEAST: &str = "Bound";
+
 /// Measurements of a machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct MachineSummary {
@@ -345,4 +359,15 @@ pub(crate) struct MachineSummary {
     /// Misses of caches of all sizes, if they were measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reuse: Option<FrameReuse>,
+}
+
+impl MachineSummary {
+    /// What a change of times to `run` can claim.
+    pub(crate) fn claim(&self, run: &MachineRun) -> Claim<'_> {
+        match run.stats.accuracy {
+            Accuracy::Exact | Accuracy::Estimated { .. } => Claim::Known,
+            Accuracy::Bounded | Accuracy::Unknown if self.fidelity == LEAST => Claim::Nothing,
+            Accuracy::Bounded | Accuracy::Unknown => Claim::By(&self.fidelity),
+        }
+    }
 }

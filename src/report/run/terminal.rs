@@ -4,7 +4,7 @@ use super::choice::choice;
 use super::limits::limit;
 use super::machine_run::MachineRun;
 use super::steady;
-use super::summary::Summary;
+use super::summary::{Claim, Summary};
 use super::tables::{dram_per_frame, error, interval_of, policies};
 use crate::named::Named;
 use crate::report::format::{ABSENT, change, counted, exact, joules, milliseconds, or_absent, percent, short};
@@ -104,11 +104,10 @@ pub(crate) fn verdict(summary: &Summary) -> Option<String> {
             let [off, with] = [summary.baseline.as_deref()?, policy].map(|name| machine.policies.get(name));
             let (off, with) = (off?, with?);
             let change = time(off.milliseconds_per_frame?, with.milliseconds_per_frame?)?;
-            match with.stats.accuracy {
-                // The difference of two bounds bounds nothing.
-                Accuracy::Bounded => None,
-                Accuracy::Unknown => Some(format!("{change} on {name} by {}, error unknown", machine.fidelity)),
-                Accuracy::Exact | Accuracy::Estimated { .. } => Some(format!("{change} on {name}")),
+            match machine.claim(with) {
+                Claim::Known => Some(format!("{change} on {name}")),
+                Claim::By(level) => Some(format!("{change} on {name} by {level}, error unknown")),
+                Claim::Nothing => None,
             }
         });
         let told: Vec<String> = told.collect();

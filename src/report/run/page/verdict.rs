@@ -6,8 +6,7 @@ use crate::quantity::Bytes;
 use crate::report::format::{bytes, change, exact, joules, milliseconds, or_absent, percent, short};
 use crate::report::run::limits::{Limit, limit};
 use crate::report::run::machine_run::MachineRun;
-use crate::report::run::summary::{MachineSummary, PolicySummary, Summary};
-use crate::stats::Accuracy;
+use crate::report::run::summary::{Claim, MachineSummary, PolicySummary, Summary};
 
 /// A smaller change of time counts as none.
 const SAME: f64 = 0.02;
@@ -35,12 +34,12 @@ fn fastest<'a>(summary: &Summary, machine: &'a MachineSummary) -> Option<(&'a st
 
 fn best<'a>(summary: &'a Summary, name: &'a str, machine: &'a MachineSummary) -> Option<Best<'a>> {
     let (policy, run) = fastest(summary, machine)?;
-    // The difference of two bounds bounds nothing.
-    if run.stats.accuracy == Accuracy::Bounded {
-        return None;
-    }
+    let uncertain = match machine.claim(run) {
+        Claim::Known => None,
+        Claim::By(level) => Some(level),
+        Claim::Nothing => return None,
+    };
     let before = without(summary, machine)?.milliseconds_per_frame.filter(|&before| before > 0.0)?;
-    let uncertain = (run.stats.accuracy == Accuracy::Unknown).then_some(machine.fidelity.as_str());
     let change = run.milliseconds_per_frame? / before - 1.0;
     Some(Best { machine: name, policy, change, uncertain, limit: limit(run) })
 }

@@ -95,12 +95,12 @@ fn no_run_is_silent_about_its_error() {
 /// The difference of two bounds bounds nothing, and a level whose error is not known is named.
 #[test]
 fn a_verdict_claims_what_its_level_knows() {
-    let verdicts = |accuracy: Accuracy| {
+    let verdicts = |fidelity: &str, accuracy: Accuracy| {
         let mut summary = sample(&[0, 16]).summary;
         let told =
             |run: &MachineRun| MachineRun { stats: MachineStats { accuracy, ..run.stats.clone() }, ..run.clone() };
         let of_machine = |machine: &MachineSummary| MachineSummary {
-            fidelity: "Profile".into(),
+            fidelity: fidelity.into(),
             policies: machine.policies.iter().map(|(name, run)| (name, told(run))).collect(),
             ..machine.clone()
         };
@@ -109,13 +109,14 @@ fn a_verdict_claims_what_its_level_knows() {
         let (_, finding) = page.split_once("<p class=\"finding\">").unwrap();
         [verdict(&summary).unwrap(), finding.split("</p>").next().unwrap().to_owned()]
     };
-    for text in verdicts(Accuracy::Exact) {
+    for text in verdicts("Event", Accuracy::Exact) {
         assert!(text.contains("less time on small") && !text.contains("error unknown"), "{text}");
     }
-    for text in verdicts(Accuracy::Unknown) {
+    let by_profile = [Accuracy::Bounded, Accuracy::Unknown].map(|accuracy| verdicts("Profile", accuracy));
+    for text in by_profile.into_iter().flatten() {
         assert!(text.contains("less time on small by Profile, error unknown"), "{text}");
     }
-    for text in verdicts(Accuracy::Bounded) {
+    for text in verdicts("Bound", Accuracy::Bounded) {
         assert!(!text.contains("time on"), "{text}");
     }
 }
